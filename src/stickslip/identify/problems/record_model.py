@@ -94,6 +94,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
     "zone": ((0.0005, 0.03, 0.1, 0.4), (0.9, 0.05, 0.03, 0.02)),
+    "flexible": ((0.0005, 0.03, 0.2, 1.0), (0.9, 0.04, 0.03, 0.03)),
     "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "push": ((0.003, 0.05, 0.3), (0.7, 0.2, 0.1)),
@@ -116,8 +117,8 @@ would expect."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
     "relaxing": 0, "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "zone": 0, "load": 1, "input": 1, "push": 0, "run": 1,
-    "noise": 1, "given": 1,
+    "turn": 3, "others": 1, "delay": 0, "zone": 0, "flexible": 0, "load": 1, "input": 1,
+    "push": 0, "run": 1, "noise": 1, "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
@@ -222,6 +223,10 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
+MODES, DAMPINGS = np.geomspace(0.05, 1.5, 65), (0.02, 0.1)
+"""Frequencies of a mass on a spring that are looked at, over the cutoff, and damping ratios ..."""
+DAMPED = 0.2
+"""... up to this: more is no spring, and passes for a force that is late."""
 LIMITS = np.geomspace(0.01, 0.95, 30)
 """Limits of the force that are looked at, over the largest."""
 FINER = 5
@@ -242,7 +247,7 @@ FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, not distinguished from a damping that is looked for."""
 ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
-BESIDE = ("spring", "relaxing", "zone", "drift", "place", "force", "others")
+BESIDE = ("spring", "relaxing", "zone", "flexible", "drift", "place", "force", "others")
 """Scales of what may stand for another: each is compared with the best without it."""
 PUSHED = {"push": 2, "input": 2}
 """Where an input moves a constant force and friction by much."""
@@ -318,8 +323,6 @@ class RecordModel(Model):
     ) -> None:
         self.balance, self.timed = Balance(records, highest=highest), timed
         self.frame = self.balance.frame
-        self.names = tuple(name for name in SCALES if self._acts(name))
-        """Scales of sizes that act in these records."""
         known = usual_families(self.frame) if families is None else [*families]
         if self.balance.dampings:  # which viscous friction would be
             known = [item for item in known if not FLOWING & {*item}] or known
@@ -349,6 +352,10 @@ class RecordModel(Model):
         self._fixed: dict[int, dict[str, Array]] = {}
         self._roots: dict[int, Array] = {}
         self._choose_band()
+        if self.balance.accelerated:
+            self.balance.mode = self._mode()
+        self.names = tuple(name for name in SCALES if self._acts(name))
+        """Scales of sizes that act in these records."""
         node = self._rounds()
         self.start = self._widen(node)
         """Nodes from which the posterior begins: one of each cutoff."""
@@ -413,6 +420,7 @@ class RecordModel(Model):
             "turn": balance.turned,
             "relaxing": not balance.measured,
             "zone": balance.opposed,
+            "flexible": balance.mode is not None,
             "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,
@@ -457,15 +465,17 @@ class RecordModel(Model):
         )
 
     def _positive(self, node: Node) -> tuple[int, ...]:
-        """Return the columns whose coefficients are not negative: dead zones and most springs.
+        """Return the columns whose coefficients are not negative.
 
-        Where they are no more than noise, they may have either sign, and the last size of a spring.
+        They are dead zones, masses on springs and most springs. Where they are no more than noise,
+        they may have either sign, and the last size of a spring.
         """
         places, result = self.design(*self.key(node)).places, list[int]()
-        for name, group, signs in (("zone", "zone", (0,)), ("spring", "force", (0, 3))):
+        alone = ((name, name, (0,)) for name in ("zone", "flexible"))
+        for name, group, signs in (*alone, ("spring", "force", (0, 3))):
             if name in self.names and node[self.names.index(name)] not in signs:
                 columns = places[group]
-                result += range(columns.start if group == name else columns.stop - 1, columns.stop)
+                result.append(columns.start if group == name else columns.stop - 1)
         return tuple(result)
 
     def _volume(self, node: Node) -> float:
@@ -618,15 +628,58 @@ class RecordModel(Model):
 
     def _left_plainly(self) -> float:
         """Return the mean square that a balance with a curve of the velocity leaves."""
+        left = solved_softly(self._bare("relaxing"), self.balance.rows(MIDDLE).response)[1]
+        return capped(left, FARTHEST)
+
+    def _bare(self, *further: str) -> Array:
+        """Return the columns of a balance with a curve of the velocity, and further ones (n, p)."""
         balance, rows = self.balance, self.balance.rows(MIDDLE)
         plain = balance.fixed(MIDDLE)
-        names = [name for name in plain if name not in ("force", "zero")]
+        without = {"force", "zero", "relaxing"} - {*further}
+        names = [name for name in plain if name not in without]
         curve = []
         for piece, state in zip(balance.pieces, balance.states(RIGID), strict=True):
             z = (state * balance.load(piece))[:, None]
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
-        x = np.hstack([rows.seen(curve), *(plain[name] for name in names)])
-        return capped(solved_softly(x, rows.response)[1], FARTHEST)
+        return np.hstack([rows.seen(curve), *(plain[name] for name in names)])
+
+    def _mode(self) -> tuple[float, float] | None:
+        """Return frequency [Hz] and damping ratio of a mass on a spring, if one is likely.
+
+        It stands beside a plain balance with a linear delay, and has a mass above 0.
+        """
+        balance, rows = self.balance, self.balance.rows(MIDDLE)
+        beside = np.hstack([self._bare(), balance.delayed(MIDDLE, RIGID)[:, None]])
+        seen = np.flatnonzero(rows.far > RESOLVED)
+        if len(seen) < max(FEW, 2 * beside.shape[1]):
+            return None
+        beside = beside[seen] / (np.sqrt(np.mean(beside[seen] ** 2, axis=0)) + TINY)
+        basis, sizes, _ = np.linalg.svd(beside, full_matrices=False)
+        basis = basis[:, sizes > SOFT * sizes[0]]
+        e = rows.response[seen] - basis @ (basis.T @ rows.response[seen])
+        far = FARTHEST * float(np.median(np.abs(e)))
+        e = np.clip(e, -far, far)
+        least = float(e @ e) + TINY
+
+        def likely(x: float, begin: Array, way: Array) -> float:
+            """Return the logarithm of what a mode gains over none, some way from another."""
+            mode = np.minimum(np.exp(begin + x * way), (math.inf, DAMPED))
+            lag = balance.sprung(MIDDLE, *mode.tolist())
+            both = np.column_stack([balance.swinging(MIDDLE, *mode.tolist()), lag])[seen]
+            swings, left = np.linalg.qr(both - basis @ (basis.T @ both))
+            *free, of_mass = (swings.T @ e * np.sign(left[-1, -1])).tolist()
+            gained = sum(x * x for x in free) + max(of_mass, 0.0) ** 2
+            return -0.5 * len(e) * math.log(max(1.0 - gained / least, TINY))
+
+        looked = np.log([*product(MODES * balance.pieces[0].cutoff, DAMPINGS)])
+        mode = max(looked, key=lambda begin: likely(0.0, begin, begin))
+        if KAPPA * likely(0.0, mode, mode) < math.log(len(looked) / OTHERWISE):
+            return None
+        for way in [*np.diag([math.log(MODES[1] / MODES[0]), 1.0])] * 3:  # along a ridge
+            nearest = partial(likely, begin=mode, way=way)
+            mode = mode + way * likeliest(nearest, np.linspace(-1.0, 1.0, 5))[0]
+        frequency, damping = np.exp(mode).tolist()
+        return frequency, min(damping, DAMPED)
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
@@ -635,6 +688,8 @@ class RecordModel(Model):
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
         base = [plain["slope"], rows.seen(drag)[:, None]]
+        if balance.mode:
+            base.append(plain["flexible"])
         if balance.pulled and not balance.controlled:
             base.append(plain["force"][:, -1:])
         base += [plain[name] for name in names]  # the inertia is the last
@@ -840,7 +895,7 @@ class RecordModel(Model):
         """
         most = {name: len(SCALES[name][0]) - 1 for name in self.names}
         result, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
-        for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
+        for other in (still, {"relaxing": 2}, {"zone": 3}, {"flexible": 2}, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
             result += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
         return result
