@@ -9,6 +9,9 @@ At the rows :math:`i` of the filtered balance,
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
 (`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
+0. *Mode*: frequency and damping of a mass on a spring, behind a belt or a shaft, if a plain balance
+   makes one likelier than its prior. There are columns for its mass, which is not negative, for
+   what the mode is off by, and for the swing with which a piece begins.
 1. *Screen*: the bristles whose curve with the inertia leaves least.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
    state of the bristle and piece, with weights of a Student distribution; the share of rows that
@@ -107,13 +110,13 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place, and over the force of a spring, the last of one that may push away; of springs that
 relax; of the level and viscous friction of a twentieth of the record; of the pulse of a turn; of
-bristles of other lengths; the delay in samples; the dead zone of a drive; the change with an e-fold
-of the load that is not in proportion, and with an input by its standard deviation; level and
-viscous friction of another run, and of one of a joint, in which is what its rigid body misses
-(first parts of records of two arms: .02 to .2 from run to run); noise over what the last round
-left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
-that are given, over these, of which the last are wrong units. They say what a careful experimenter
-would expect."""
+bristles of other lengths; the delay in samples; the dead zone of a drive; what a mass on a spring
+changes; the change with an e-fold of the load that is not in proportion, and with an input by its
+standard deviation; level and viscous friction of another run, and of one of a joint, in which is
+what its rigid body misses (first parts of records of two arms: .02 to .2 from run to run); noise
+over what the last round left, which a fit that follows the noise makes too small; errors of the
+inertia and of the forces that are given, over these, of which the last are wrong units. They say
+what a careful experimenter would expect."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
     "relaxing": 0, "stretch": 3,
