@@ -226,10 +226,11 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-MODES, DAMPINGS = np.geomspace(0.05, 1.5, 65), (0.02, 0.1)
-"""Frequencies of a mass on a spring that are looked at, over the cutoff, and damping ratios ..."""
-DAMPED = 0.2
-"""... up to this: more is no spring, and passes for a force that is late."""
+MODES, BEYOND, DAMPINGS = 65, 1.5, (0.02, 0.1)
+"""Frequencies of a mass on a spring that are looked at, from so many times the mean frequency of
+the velocity, which it would not follow, to as many times the cutoff; and damping ratios ..."""
+DAMPED, MOST_DAMPED = 0.15, 0.9
+"""... of which those above the first are no springs, and pass for forces that are late."""
 LIMITS = np.geomspace(0.01, 0.95, 30)
 """Limits of the force that are looked at, over the largest."""
 FINER = 5
@@ -331,6 +332,8 @@ class RecordModel(Model):
             known = [item for item in known if not FLOWING & {*item}] or known
         self.families: list[Family] = [*dict.fromkeys(known)]
         """Families of laws that are compared beside none."""
+        self.names: tuple[str, ...] = ()
+        """Scales of sizes that act in these records."""
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self.memories: list[Memory] = []
@@ -355,10 +358,6 @@ class RecordModel(Model):
         self._fixed: dict[int, dict[str, Array]] = {}
         self._roots: dict[int, Array] = {}
         self._choose_band()
-        if self.balance.accelerated:
-            self.balance.mode = self._mode()
-        self.names = tuple(name for name in SCALES if self._acts(name))
-        """Scales of sizes that act in these records."""
         node = self._rounds()
         self.start = self._widen(node)
         """Nodes from which the posterior begins: one of each cutoff."""
@@ -638,7 +637,7 @@ class RecordModel(Model):
         """Return the columns of a balance with a curve of the velocity, and further ones (n, p)."""
         balance, rows = self.balance, self.balance.rows(MIDDLE)
         plain = balance.fixed(MIDDLE)
-        without = {"force", "zero", "relaxing"} - {*further}
+        without = {"force", "zero", "relaxing", "flexible"} - {*further}
         names = [name for name in plain if name not in without]
         curve = []
         for piece, state in zip(balance.pieces, balance.states(RIGID), strict=True):
@@ -666,7 +665,7 @@ class RecordModel(Model):
 
         def likely(x: float, begin: Array, way: Array) -> float:
             """Return the logarithm of what a mode gains over none, some way from another."""
-            mode = np.minimum(np.exp(begin + x * way), (math.inf, DAMPED))
+            mode = np.minimum(np.exp(begin + x * way), (math.inf, MOST_DAMPED))
             lag = balance.sprung(MIDDLE, *mode.tolist())
             both = np.column_stack([balance.swinging(MIDDLE, *mode.tolist()), lag])[seen]
             swings, left = np.linalg.qr(both - basis @ (basis.T @ both))
@@ -674,19 +673,26 @@ class RecordModel(Model):
             gained = sum(x * x for x in free) + max(of_mass, 0.0) ** 2
             return -0.5 * len(e) * math.log(max(1.0 - gained / least, TINY))
 
-        looked = np.log([*product(MODES * balance.pieces[0].cutoff, DAMPINGS)])
+        of_motion = math.sqrt(np.mean(rows.acceleration**2) / (np.mean(rows.velocity**2) + TINY))
+        ends = (of_motion / (2.0 * math.pi), balance.pieces[0].cutoff)
+        frequencies = BEYOND * np.geomspace(min(ends), max(ends), MODES)
+        looked = np.log([*product(frequencies, DAMPINGS)])
         mode = max(looked, key=lambda begin: likely(0.0, begin, begin))
         if KAPPA * likely(0.0, mode, mode) < math.log(len(looked) / OTHERWISE):
             return None
-        for way in [*np.diag([math.log(MODES[1] / MODES[0]), 1.0])] * 3:  # along a ridge
+        for way in [
+            *np.diag([math.log(frequencies[1] / frequencies[0]), 1.0])
+        ] * 3:  # along a ridge
             nearest = partial(likely, begin=mode, way=way)
             mode = mode + way * likeliest(nearest, np.linspace(-1.0, 1.0, 5))[0]
         frequency, damping = np.exp(mode).tolist()
-        return frequency, min(damping, DAMPED)
+        return (frequency, damping) if damping < DAMPED else None
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
+        balance.mode = self._mode() if balance.accelerated else None  # as forces act now
+        self.names = tuple(name for name in SCALES if self._acts(name))
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
