@@ -651,11 +651,11 @@ class RecordModel(Model):
         It stands beside a plain balance with a linear delay, and has a mass above 0.
         """
         balance, rows = self.balance, self.balance.rows(MIDDLE)
-        beside = np.hstack([self._bare(), balance.delayed(MIDDLE, RIGID)[:, None]])
+        every = np.hstack([self._bare(), balance.delayed(MIDDLE, RIGID)[:, None]])
         seen = np.flatnonzero(rows.far > RESOLVED)
-        if len(seen) < max(FEW, 2 * beside.shape[1]):
+        if len(seen) < max(FEW, 2 * every.shape[1]):
             return None
-        beside = beside[seen] / (np.sqrt(np.mean(beside[seen] ** 2, axis=0)) + TINY)
+        beside = every[seen] / (np.sqrt(np.mean(every[seen] ** 2, axis=0)) + TINY)
         basis, sizes, _ = np.linalg.svd(beside, full_matrices=False)
         basis = basis[:, sizes > SOFT * sizes[0]]
         e = rows.response[seen] - basis @ (basis.T @ rows.response[seen])
@@ -685,6 +685,8 @@ class RecordModel(Model):
         ] * 3:  # along a ridge
             nearest = partial(likely, begin=mode, way=way)
             mode = mode + way * likeliest(nearest, np.linspace(-1.0, 1.0, 5))[0]
+        if not balance.acting.delay and self._delayed([every])[1] > likely(0.0, mode, mode):
+            return None  # a late force says more
         frequency, damping = np.exp(mode).tolist()
         return (frequency, damping) if damping < DAMPED else None
 
