@@ -226,9 +226,9 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-MODES, BEYOND, STIFF, DAMPINGS = 33, 1.3, 5.0, (0.02, 0.1)
-"""Frequencies of a mass on a spring that are looked at, over the highest of the motion: below it,
-other joints pass for such a mass; far above, it goes along within 1/25. And damping ratios ..."""
+MODES, BEYOND, DAMPINGS = 65, 1.5, (0.02, 0.1)
+"""Frequencies of a mass on a spring that are looked at, from so many times the mean frequency of
+the velocity, which it would not follow, to as many times the cutoff; and damping ratios ..."""
 DAMPED, MOST_DAMPED = 0.15, 0.9
 """... of which those above the first are no springs, and pass for forces that are late."""
 LIMITS = np.geomspace(0.2, 0.95, 16)
@@ -673,11 +673,9 @@ class RecordModel(Model):
             gained = sum(x * x for x in free) + max(of_mass, 0.0) ** 2
             return -0.5 * len(e) * math.log(max(1.0 - gained / least, TINY))
 
-        longest = max(balance.pieces, key=lambda piece: len(piece.velocity))
-        frequencies = longest.highest_frequency * np.geomspace(BEYOND, STIFF, MODES)
-        frequencies = frequencies[frequencies < longest.cutoff]
-        if len(frequencies) < 2:
-            return None
+        of_motion = math.sqrt(np.mean(rows.acceleration**2) / (np.mean(rows.velocity**2) + TINY))
+        ends = (of_motion / (2.0 * math.pi), balance.pieces[0].cutoff)
+        frequencies = BEYOND * np.geomspace(min(ends), max(ends), MODES)
         looked = np.log([*product(frequencies, DAMPINGS)])
         mode = max(looked, key=lambda begin: likely(0.0, begin, begin))
         if KAPPA * likely(0.0, mode, mode) < math.log(len(looked) / OTHERWISE):
