@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.signal import bilinear, lfilter
+from scipy.signal import lfilter
 
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
@@ -61,12 +61,6 @@ RELAXING = (0.7, 1.0, 1.4)
 """Time constants of what relaxes, over the likeliest ..."""
 CONSTANTS = np.geomspace(0.01, 0.4, 41)
 """... of these, over the duration of the records; the middle one where an end is likeliest."""
-BESIDE_MODE = (0.2, 0.5)
-"""Standard deviations of the logarithms of frequency and damping ratio of a mass on a spring."""
-ABOUT_MODE = 0.1
-"""Steps by which what they change is seen, over these."""
-SWINGS = 10
-"""Pieces of records at most that begin with a swing of that mass."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
 PULSE = 6.0
@@ -349,8 +343,6 @@ class Balance:
         """Wave numbers of forces and of levels over the place [1/m]."""
         self.relaxation: float = like.relaxation if like else float(CONSTANTS[20])
         """Likeliest time constant of what relaxes, over the duration of the records."""
-        self.mode: tuple[float, float] | None = like.mode if like else None
-        """Frequency [Hz] and damping ratio of a mass on a spring, where one is likely."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
         self._seen: dict[tuple[int, int], tuple[Memory, dict[str, Array], dict[Column, Array]]] = {}
 
@@ -410,7 +402,7 @@ class Balance:
     def take(self, pieces: Sequence[Piece]) -> None:
         """Take pieces as they are now, with other rows."""
         self.pieces, self._rows, self._states, self._seen = [*pieces], {}, {}, {}
-        for name in ("_given", "_likely", "sprung_size"):
+        for name in ("_given", "_likely"):
             self.__dict__.pop(name, None)
 
     def rows(self, which: int) -> BalanceRows:
@@ -572,9 +564,6 @@ class Balance:
         if not self.measured:
             shares = self.relaxation * np.array(RELAXING)
             result["relaxing"] = rows.seen([self.relaxing(p, shares) for p in pieces])
-        if self.mode:
-            moved = self._on_spring(which) / self._from.sprung_size
-            result["flexible"] = np.hstack([moved, self.swinging(which, *self.mode)])
         if self.opposed:
             result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
@@ -592,11 +581,6 @@ class Balance:
     def driven(self) -> bool:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(piece.record.force) for piece in self.pieces)
-
-    @property
-    def accelerated(self) -> bool:
-        """Whether a drive moves an inertia, of which some may be on a spring."""
-        return self.driven and (self.finds_inertia or self.inertia > 0.0)
 
     @cached_property
     def opposed(self) -> bool:
@@ -796,49 +780,6 @@ class Balance:
         if records[0].joint:
             return {"body": result.get("both", sum(result.values(), np.zeros(rows.count)))}
         return result
-
-    @cached_property
-    def sprung_size(self) -> float:
-        """Root mean square of what a unit of a mass on a spring changes at the rows [N/kg]."""
-        return float(np.sqrt(np.mean(self._on_spring(MIDDLE)[:, 0] ** 2))) + TINY
-
-    def _on_spring(self, which: int) -> Array:
-        """Return what a mass on a spring changes, and how that changes with its mode (n, 3)."""
-        frequency, damping = self.mode or (math.inf, 0.0)
-        parts = [self.sprung(which, frequency, damping)]
-        for steps in ABOUT_MODE * np.diag(BESIDE_MODE):
-            of, by = np.exp(steps).tolist()
-            more = self.sprung(which, frequency * of, damping * by)
-            less = self.sprung(which, frequency / of, damping / by)
-            parts.append((more - less) / (2.0 * ABOUT_MODE))
-        return np.column_stack(parts)
-
-    def sprung(self, which: int, frequency: float, damping: float) -> Array:
-        r"""Return the acceleration of a mass on a spring less that measured (n,) [m/s^2].
-
-        The other end of the spring is where the position was measured: of its acceleration the
-        mass has a share of :math:`1 - s^2 / (s^2 + 2 \zeta \omega s + \omega^2)`. Both begin at
-        rest: else it swings as well (`swinging`).
-        """
-        w, parts = 2.0 * math.pi * frequency, []
-        for piece in self.pieces:
-            b, a = bilinear([-1.0, 0.0, 0.0], [1.0, 2.0 * damping * w, w * w], 1.0 / piece.step)
-            parts.append(lfilter(b, a, piece.record.position - piece.record.position[0]))
-        return self.rows(which).seen(parts, slope=2)
-
-    def swinging(self, which: int, frequency: float, damping: float) -> Array:
-        """Return what the longest pieces begin with of a free swing on a spring (n, 2 p).
-
-        The filter changes nothing of it but its size.
-        """
-        rows, w = self.rows(which), 2.0 * math.pi * frequency
-        starts = np.array([piece.record.time[0] for piece in self.pieces])
-        lengths = np.array([len(piece.record.time) for piece in self.pieces])
-        longest = np.argsort(-lengths, kind="stable")[:SWINGS]
-        turning = (1j * math.sqrt(1.0 - damping**2) - damping) * w
-        swing = np.exp(turning * (rows.time - starts[rows.piece]))
-        each = (rows.piece[:, None] == longest) * swing[:, None]
-        return np.hstack([each.real, each.imag])
 
     def forces(self, position: Array) -> Array:
         """Return the basis of a force that changes with the place (n, p).

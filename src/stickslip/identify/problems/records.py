@@ -94,7 +94,6 @@ FINDINGS: Mapping[str, str] = {
     "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
     "zone": "dead zone of the drive",
-    "flexible": "mass on a spring",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -764,7 +763,7 @@ class RecordProblem(Problem):
             b = model.split(draw.node, draw.random)[name]
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
-            elif name in ("zone", "flexible"):
+            elif name == "zone":
                 changes.append(b[0])
             elif name == "drift":
                 ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
@@ -809,11 +808,6 @@ class RecordProblem(Problem):
             return (
                 f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
                 " dead zone of the drive, or friction before the sensor."
-            )
-        if name == "flexible":
-            return (
-                "Part of the inertia is on a spring, as behind a belt or a shaft, which changes the"
-                f" force by {percent(size)} of friction (standard deviation)."
             )
         what = {
             "place": "The level of friction changes with the place",
