@@ -205,7 +205,7 @@ WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
-    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (4, 2, "not followed"), (2, 5, ""), (4, 5, ""),
+    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 5, ""), (4, 5, ""),
 )  # fmt: skip
 
 
