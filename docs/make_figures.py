@@ -195,7 +195,7 @@ def cart() -> None:
 BOXES = (
     # centre, text, whether it is a question
     (130, 32, "record and mechanism", False),
-    (130, 115, "Does a force that was measured\ndrive one coordinate, or a table?", True),
+    (130, 115, "A table, or one coordinate that\na measured force drives?", True),
     (430, 115, "Posterior of the force balance,\nor of the table, with that law", False),
     (130, 220, "A voltage of unknown motor,\nor a drive of its own", False),
     (430, 220, "Posterior about runs that follow\nthe record, with friction beside", False),
