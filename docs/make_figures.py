@@ -195,18 +195,17 @@ def cart() -> None:
 BOXES = (
     # centre, text, whether it is a question
     (130, 32, "record and mechanism", False),
-    (130, 115, "One coordinate without stops, and\na law that a balance determines?", True),
+    (130, 115, "A table, or one coordinate that\na measured force drives?", True),
     (430, 115, "Posterior of the force balance,\nor of the table, with that law", False),
-    (130, 220, "Goals of a loop, carried drives,\nother states, several bodies", False),
-    (430, 220, "Simulated segments of 1 s; a free\ndecay then of 3 s and as a whole", False),
+    (130, 220, "A voltage of unknown motor,\nor a drive of its own", False),
+    (430, 220, "Posterior about runs that follow\nthe record, with friction beside", False),
     (733, 115, "Estimates, band, limitations:\nas in a selection", False),
-    (733, 220, "Estimates, intervals by blocks,\nthe residual", False),
 )
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
-    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 4, "open"), (2, 5, ""), (4, 6, ""),
+    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, ""), (2, 5, ""), (4, 5, ""),
 )  # fmt: skip
 
 
@@ -245,14 +244,14 @@ def judge() -> None:
 
 
 def choices() -> None:
-    """How route and segments of a fit are chosen."""
+    """How the problem of a fit is chosen."""
     chart(
         "choices.svg",
         BOXES,
         ARROWS,
         265,
-        "Flow chart: tables and records of one coordinate go to the posterior of the force balance,"
-        " everything else to simulated segments",
+        "Flow chart: tables and records of a driven coordinate go to the posterior of the force"
+        " balance; records under a voltage, or of a drive of its own, to that about runs",
     )
 
 

@@ -30,19 +30,14 @@ def filmed(rig, level, seed, t_end=2.0):
 
 
 def level_of(rig, record):
-    """Return the estimate of the level from a start that is a third off, and the residual."""
-    found = fit(rig, Coulomb(kinetic_coefficient=0.16), record)
-    (level,) = (estimate for estimate in found.estimates if estimate.path == LEVEL)
-    return level, found.rms
+    """Return the estimate of the level from a start that is a third off."""
+    return fit(rig, Coulomb(kinetic_coefficient=0.16), record).estimate(LEVEL)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(s, marks=pytest.mark.slow) for s in range(1, 20))]
-)
+@pytest.mark.parametrize("seed", range(20))
 def test_the_friction_of_a_filmed_capsule_with_stops_is_found(seed):
-    level, rms = level_of(CAPSULE, filmed(CAPSULE, 0.23, seed))
-    assert rms == pytest.approx(NOISE, rel=0.15)  # a standard deviation of 241 frames is 5 %
+    level = level_of(CAPSULE, filmed(CAPSULE, 0.23, seed))
     # four standard errors, from half the width of the 95 % interval: 1 of 16,000 by chance
     assert abs(level.value - 0.23) <= 2.0 * (level.high - level.low) / 2.0
     assert level.high - level.low < 0.01
@@ -53,13 +48,13 @@ def test_the_way_down_does_not_end_in_the_valley_of_another_sequence_of_impacts(
         CAPSULE, capsule_mass=1.3, inner_mass=0.45, stiffness=15.0, damping=0.05, restitution=0.85,
         drive=Torque(drive=Sine(amplitude=5.5, frequency=3.0)),
     )  # fmt: skip
-    level, rms = level_of(rig, filmed(rig, 0.2, 1))
-    assert rms == pytest.approx(NOISE, rel=0.15)
+    level = level_of(rig, filmed(rig, 0.2, 1))
+    assert level.low < 0.2 < level.high
     assert level.value == pytest.approx(0.2, rel=0.01)
 
 
 def shooting(rig, times, measured, guess):
-    """Return the problem of the level of friction from one segment."""
+    """Return runs of one segment in which the level of friction is looked for."""
     item = FreeParameter(
         path=LEVEL, quantity=fields_of(Coulomb)["kinetic_coefficient"], start=0.4, low=0.0
     )

@@ -248,13 +248,13 @@ def test_conditions_must_be_numbers_or_texts():
         Measurement(trials=(Measurement(travel=0.1),), conditions={"run": 1})
 
 
-def test_a_law_by_simulated_segments_is_refused():
+def test_a_law_with_states_that_no_balance_tells_is_refused():
     t = np.arange(0.0, 6.0, 5e-3)
     trials = tuple(
         Measurement(time=t, position=np.sin(rate * t), force=np.cos(rate * t))
         for rate in (2.0, 3.0)
     )
-    with pytest.raises(InputError, match="simulated segments"):
+    with pytest.raises(InputError, match="has states that this measurement does not show"):
         compared(Measurement(trials=trials), ElastoPlastic)
 
 

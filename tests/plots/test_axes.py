@@ -230,8 +230,6 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_optimum: "optimum must be an Optimum",
         plots.plot_velocity_band: "result must be a VelocityBand",
         plots.plot_closed_loop: "loop must be a ClosedLoop",
-        plots.plot_residuals: "fit must be a RecordFit, got",
-        plots.plot_friction_map: "fit must be a RecordFit or Mapping",
         plots.plot_joints: "fit must be a JointLawFit or JointVerdict, got",
         plots.plot_friction_velocity: "run must be a Trajectory",
     }

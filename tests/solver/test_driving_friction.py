@@ -64,3 +64,9 @@ def test_of_several_contacts_the_one_that_drives_is_named():
     }
     (sentence,) = said(simulate(body, laws, t_end=4.0))
     assert "drove the motion at front" in sentence
+
+
+def test_hard_stops_do_not_change_what_is_said_of_the_only_contact():
+    stopped = replace(AXIS, lower_stop=-1e3)  # which nothing reaches
+    sentences = [said(simulate(made, DIPS, t_end=10.0)) for made in (AXIS, stopped)]
+    assert sentences[0] == sentences[1] != []

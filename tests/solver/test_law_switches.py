@@ -1,16 +1,27 @@
 """Switches of laws at their thresholds where drives jump, with one contact and with several."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
+import numpy as np
 import pytest
 from benchmarks.several.brakes import DiscBrake, Lining
 
-from stickslip import Axis, EventDriven, MaxwellSlip, TowedBlock, simulate
+from stickslip import (
+    Axis,
+    Capsule,
+    EventDriven,
+    MaxwellSlip,
+    TowedBlock,
+    TwoFeet,
+    simulate,
+)
 from stickslip.engine import Status
+from stickslip.errors import InputError, TracingError
 from stickslip.friction import HaessigFriedland, SetValuedLaw
 from stickslip.maths import where
-from stickslip.mechanisms.drives import Sampled
+from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Sampled, Sine
 from stickslip.quantities import Quantity
 
 JUMP, END = 0.3, 0.4
@@ -110,3 +121,61 @@ def test_a_body_on_yielded_springs_breaks_away_where_it_is_pulled(law, mass, pac
         pull = stiffness * (speed * stop - place) + damping * speed
         level = way * 0.25 * mass * block.gravity
         assert start == pytest.approx(stop + (level - pull) / (stiffness * speed), rel=1e-9)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pressed(SetValuedLaw):
+    """A level at rest that is above that of sliding from a load on."""
+
+    name: ClassVar[str] = "pressed"
+    title: ClassVar[str] = "Pressed"
+    formula: ClassVar[str] = "F = a N"
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    kinetic: Annotated[float, Quantity("a", low=0)]
+    static: Annotated[float, Quantity("b", low=0)]
+    load: Annotated[float, Quantity("N_1", "N", above=0)]
+
+    def sliding(self, speed, load):
+        return self.kinetic * load + 0.0 * speed
+
+    def break_away(self, load):
+        return where(load > self.load, self.static * load, self.kinetic * load)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressedAlways(Pressed):
+    """The same level in slip."""
+
+    def sliding(self, speed, load):
+        return self.break_away(load) + 0.0 * speed
+
+
+CAPSULE = Capsule(
+    capsule_mass=0.8, inner_mass=0.2, stiffness=40.0, damping=0.2,
+    drive=Torque(drive=Sine(amplitude=3.0, frequency=4.0)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("threshold", [5.0, 20.0])
+def test_a_switch_that_depends_on_the_load_has_the_load_where_there_are_hard_stops(tier, threshold):
+    law = Pressed(kinetic=0.1, static=0.13, load=threshold)
+    stopped = replace(CAPSULE, lower_stop=-1.0, upper_stop=1.0)  # which nothing reaches
+    solver, t = EventDriven(tier=tier), np.linspace(0.0, 1.0, 11)
+    free, run = (simulate(made, law, t_end=1.0, solver=solver) for made in (CAPSULE, stopped))
+    assert len(run.events) > 4
+    np.testing.assert_allclose(run.at(t)["x"], free.at(t)["x"], rtol=0.0, atol=1e-9)
+    paths = ["friction.kinetic", "friction.static"]
+    slopes = run.differentiate(t, paths)
+    np.testing.assert_allclose(slopes, free.differentiate(t, paths), rtol=0.0, atol=1e-6)
+    assert np.abs(slopes[:, 0, 0]).max() > 1e-3
+
+
+def test_a_switch_that_depends_on_a_load_that_friction_must_know_first_is_refused():
+    body = TwoFeet(mass=1.0, front=0.1, rear=0.1, drive=Sine(amplitude=20.0, frequency=0.5))
+    values = {"kinetic": 0.1, "static": 0.13, "load": 5.0}
+    with pytest.raises(InputError, match="pressed has a switch that depends on the load, which is"):
+        simulate(body, Pressed(**values), t_end=1.0)
+    with pytest.raises(TracingError, match="PressedAlways: a switch of sliding friction must not"):
+        simulate(CAPSULE, PressedAlways(**values), t_end=1.0)

@@ -227,6 +227,14 @@ def with_own_laws(problem: Any, asked: LawsToCompare) -> Any:
         return problem
     target = Judgement(problem).target
     rows = problem.slips(problem.places())
+    for item in asked.own:
+        unseen = [name for name in item.law.inputs if name not in rows.inputs]
+        if unseen:
+            raise InputError(
+                f"{item.law.name} depends on the contact input {unseen[0]!r}, which fits of records"
+                f" do not follow; here they follow {joined(rows.inputs) or 'none'}: give a law"
+                " without it."
+            )
     usual = float(problem.slips(problem.at(1.0)).load[0])
     told = [
         replace(item, load=usual).fitted(target.middle, target.allowed, rows) for item in asked.own

@@ -21,7 +21,7 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import Hold, goes_straight, inside, load_of
+from stickslip.identify.fits import Hold, goes_straight, inside, load_of, refuse_other_loads
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
@@ -283,6 +283,7 @@ def select_record(
     A constant force is among the terms with `offset`; `hold` says how the force runs between its
     samples, as in `RecordSettings`. A law may be off by the `tolerance`, a share of friction.
     """
+    refuse_other_loads(mechanism, measurement)
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, _ = without_outliers(measurement)
     held = hold != "first" and _is_held(measurement)

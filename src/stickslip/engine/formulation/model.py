@@ -25,7 +25,7 @@ from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.trace import collapsed, rebuilt
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.state_layout import NUMBERS
-from stickslip.errors import TracingError
+from stickslip.errors import InputError, TracingError
 from stickslip.friction import FrictionLaw, Laws, bound, bristle_names
 from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
 from stickslip.quantities import parameters, shadow, structure
@@ -422,6 +422,14 @@ def contact_model(
         board,
     )
     laws = [mode_text.law_parts(friction, len(friction.states)) for friction in own.structures]
+    for reacts, kind, contact in zip(parts.reacts, own.kinds, own.contacts, strict=True):
+        if reacts and laws[kind].switched_by_load:
+            raise InputError(
+                f"{own.structures[kind].name} has a switch that depends on the load, which is a"
+                f" reaction at the contact {contact!r} and known only after the switch: let a"
+                " switch depend on the slip velocity or on contact inputs, or give the contact a"
+                " load."
+            )
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(
         len(list(parameters(friction, p))) for p, friction in own.distinct

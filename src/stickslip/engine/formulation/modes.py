@@ -33,7 +33,7 @@ from stickslip.engine.formulation.slip_directions import (
     slip_directions,
 )
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, TracingError, UnknownNameError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Scalar
 from stickslip.mechanisms import Contact, Mechanism, of_contact
@@ -161,6 +161,12 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     arguments = context.traced(v), context.traced(load), z
     friction = trace.expression(law.force(*arguments))
     bristle_rates = [trace.expression(rate) for rate in law.rates(*arguments)]
+    if any(load in switch.margin.free_symbols for switch in context.board.switches.values()):
+        raise TracingError(
+            f"{type(law).__name__}: a switch of sliding friction must not depend on the load, which"
+            " is known only after friction: let it depend on the slip velocity or on contact"
+            " inputs."
+        )
     factor = trace.load_factor(law, friction, load)
     constant = friction.subs({load: 0})  # laws are affine in the load, as `load_factor` checks
     motion = context.mechanics.slipping(constant, factor)
@@ -617,6 +623,8 @@ class LawParts:
     """What each switch is called in events, when it comes true and when it ceases to hold."""
     latched: bool
     """Whether a switch is latched."""
+    switched_by_load: bool
+    """Whether a margin changes with the load."""
 
     @property
     def is_linear(self) -> bool:
@@ -693,13 +701,13 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     margins = []
     for switch in board.switches.values():
         if switch.hold is None:
-            margins.append(switch.margin)
+            margins.append(switch.margin.subs({load: own_load}))
             continue
         # With the margins of other switches in it: while these settle, none must make it latch.
         lasts = se.Piecewise(
             (se.Integer(1), switch.symbol > 0), (board.settled(switch.margin), True)
         )
-        margins.append(lasts)
+        margins.append(lasts.subs({load: own_load}))
         # kernels let the switches of a direction begin anew where slip turns or stops
         if switch.hold.subs({speed: 0}) != 0:
             raise InputError(
@@ -713,4 +721,5 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         margin_slopes=[e.diff(x) for e in margins for x in variables],
         switch_events=tuple(switch.events for switch in board.switches.values()),
         latched=any(switch.hold is not None for switch in board.switches.values()),
+        switched_by_load=any(own_load in e.free_symbols for e in margins),
     )

@@ -187,7 +187,7 @@ def driving(
         own = law_of(contact.name, law)
         if own is None or not may_drive(own):
             continue
-        several = bool(playback.model.contacts)
+        several = bool(playback.model.contacts) and not playback.model.alone
         taken = certificate.work[contact.name] if several else certificate.work_friction
         # bristles give back what they took: only what goes beyond that has driven anything
         given = max(-taken, 0.0) if own.states else _driving_work(mechanism, contact, playback)
@@ -226,7 +226,8 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
     rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
     moving = {name: factor for name, factor in slip.items() if rates.get(name) in columns}
     speed = sum(float(factor) * columns[rates[name]] for name, factor in moving.items())
-    name = f"friction:{contact.name}" if playback.model.contacts else "friction"
+    model = playback.model
+    name = model.column("friction", contact.name) if model.contacts else "friction"
     # Only where friction is along the slip: what it brakes elsewhere must not balance that.
     power = np.minimum(columns[name] * speed, 0.0).reshape(NODES, -1)
     return float(-(weights @ power * halves).sum())

@@ -12,6 +12,7 @@ from stickslip.identify.fits.contact_inputs import load_along as load_along
 from stickslip.identify.fits.contact_inputs import load_of as load_of
 from stickslip.identify.fits.contact_inputs import measured_loads as measured_loads
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
+from stickslip.identify.fits.contact_inputs import refuse_other_loads as refuse_other_loads
 from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import unvaried as unvaried
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs

@@ -487,29 +487,54 @@ def _with_load(mechanism: Mechanism, record: Measurement) -> Measurement:
     if low != high:
         raise InputError(
             f"the load of {label} changes from {quantity(low, 'N', 4)} to"
-            f" {quantity(high, 'N', 4)}, and simulated segments"
-            ' take one load: fit with route="balance", or leave the load out.'
+            f" {quantity(high, 'N', 4)}, and runs take one load: give their mean, or leave the load"
+            " out."
         )
     if low <= 0.0:
         raise InputError(f"the load of {label} must be above 0 N, got {quantity(low, 'N', 4)}.")
-    kind = type(mechanism).__name__
-    if "load" not in mechanism.__dataclass_fields__:
-        raise InputError(
-            f"the load of {label} was measured, {quantity(low, 'N', 4)}, and that of {kind}"
-            " follows from its"
-            " own parameters: leave the load out, or use a mechanism with a load, such as Axis."
-        )
-    if record.overrides.get(LOAD, low) != low:
-        raise InputError(
-            f"the load of {label} is given twice: {quantity(low, 'N', 4)} measured, and"
-            f" {quantity(record.overrides[LOAD], 'N', 4)} in overrides. Leave one out."
-        )
+    _refuse_own_load(mechanism, label, low)
     return replace(
         record,
         load=None,
         offset={name: value for name, value in record.offset.items() if name != "load"},
         overrides={**record.overrides, LOAD: low},
     )
+
+
+def _refuse_own_load(mechanism: Mechanism, label: str, load: float) -> None:
+    """Refuse a measured load [N] of a mechanism whose load follows from other parameters."""
+    if "load" in mechanism.__dataclass_fields__:
+        return
+    own, kind = load_of(mechanism), type(mechanism).__name__
+    if abs(own - load) > VARIES * load:
+        raise InputError(
+            f"the load of {label} was measured, {quantity(load, 'N', 4)}, and that of {kind}"
+            f" follows from its own parameters, {quantity(own, 'N', 4)}: give parameters that agree"
+            " with it, leave the load out, or use a mechanism with a load, such as Axis."
+        )
+
+
+def refuse_other_loads(mechanism: Mechanism, measurement: Measurement) -> None:
+    """Refuse measured loads beside others that the mechanism or an override gives.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], load=5.0)
+    >>> refuse_other_loads(Axis(inertia=1.0), record)
+    """
+    for record in measurement.records():
+        if "load" not in record.quantities():
+            continue
+        label = f"record {record.name!r}" if record.name else "the record"
+        usual = float(np.median(np.asarray(record.values("load"), dtype=float)))
+        if LOAD in record.overrides:
+            raise InputError(
+                f"the load of {label} is given twice: {quantity(usual, 'N', 4)} measured, and"
+                f" {quantity(record.overrides[LOAD], 'N', 4)} in overrides. Leave one out."
+            )
+        if usual > 0.0:
+            _refuse_own_load(mechanism, label, usual)
 
 
 def load_of(mechanism: Mechanism) -> float:

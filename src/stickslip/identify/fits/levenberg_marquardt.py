@@ -83,13 +83,21 @@ failure by as much again, since steps change little while damping is below 1."""
 
 
 def improve(
-    problem: LeastSquaresProblem, values: Array, *, rounds: int, least: float
+    problem: LeastSquaresProblem,
+    values: Array,
+    *,
+    rounds: int,
+    least: float,
+    near: ResidualJacobian | None = None,
 ) -> ResidualJacobian:
-    """Return where a descent from values (p,) ends: where a step gains no more than `least`."""
+    """Return where a descent from values (p,) ends: where a step gains no more than `least`.
+
+    What a problem remembers, such as initial states, goes on from what is `near`.
+    """
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
     at = free_parameters.coordinates(values)
-    here = problem.linearise(free_parameters.values(at))
+    here = problem.linearise(free_parameters.values(at), near)
     damping, growth = FIRST_DAMPING, GROWTH
     for _ in range(rounds if here.finite else 0):
         table = here.slopes @ free_parameters.slopes(at)

@@ -352,8 +352,8 @@ def compare_trials(
     joint = fit(mechanism, law, measurement, vary=vary, fixed=fixed, settings=settings)
     if not isinstance(joint, LawFit):
         raise InputError(
-            "trials are compared along a force balance or a table: this law, or this mechanism, is"
-            " fitted by simulated segments."
+            "trials are compared of records in time or of tables, and this measurement is neither:"
+            " fit its trials one by one."
         )
     return comparison_of(joint, fit, settings)
 

@@ -136,6 +136,14 @@ FOLLOWING = 5
 LEVELS = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried of what drives itself: a third more each, from rolling to
 rubber."""
+CLOSE_LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
+"""The same where there are hard stops: a twentieth more each."""
+SHARES = (0.1, 0.2, 0.35, 0.6, 1.0)
+"""Shares of the records that are taken in one after the other there."""
+ROUNDS_OF_PART = 15
+"""Steps of the search on each."""
+OTHER = 4.0
+"""Cost over that of runs that follow, beyond which others have left their valley."""
 FAST = 0.5
 """Share of the fastest speed above which slip counts as steady where runs start, and of a level
 that a viscous part is there at most."""
@@ -388,15 +396,21 @@ class DrivenRuns:
                 break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
-            end = improve(
-                prior, best.values, rounds=FOLLOWING_STEPS, least=2.0 * SETTLED * deviation**2
-            )
+            least = 2.0 * SETTLED * deviation**2
+            end = improve(prior, best.values, rounds=FOLLOWING_STEPS, least=least, near=best)
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
         freedom = max(len(best.residual) - len(own), 1)
         error = math.sqrt(best.cost / freedom)
         return replace(self, seen=best, share=share, error=error, rows=rows)
+
+    def moved(self, step: Array, rig: Array) -> "DrivenRuns":
+        """Return runs with other values at the knots (m,), whose initial states follow them."""
+        beside = self.beside
+        assert beside is not None
+        curve = self.seen.values[len(rig) :] + beside.table @ step
+        return replace(self, seen=self.runs.linearise(np.concatenate([rig, curve]), self.seen))
 
     def of(self, law: FrictionLaw, x: Array, rig: Array) -> "DrivenRuns":
         """Return runs of a law with values at the knots beside it (m,), near these."""
@@ -514,8 +528,7 @@ def followed(
     That is so where a recorded force drives, or forces are linear in what is looked for, where the
     mechanism has a constant force, which the balance takes off, where a plain law has no friction,
     which is the scale of the rest, and where runs do not tell parameters apart either, as
-    resistance and torque constant are not under friction that is the same at any torque. Runs with
-    impacts are not linear in anything for long, and are not followed either.
+    resistance and torque constant are not under friction that is the same at any torque.
     """
     if not _is_run(mechanism, measurement, unknown):
         return None
@@ -543,7 +556,7 @@ def followed(
 def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
     """Return whether runs may tell more than a balance: of what drives itself, or by a voltage."""
     if drives_itself(mechanism, measurement):
-        return not stops_of(mechanism)
+        return True
     if not unknown or motor_of(mechanism) is None:
         return False
     record = records_of(mechanism, measurement, unknown=unknown)[0]
@@ -611,12 +624,23 @@ def _begun(runs: Shooting) -> Shooting:
     """Return runs of what drives itself that start at the level which leaves least.
 
     A level decides at each rest whether the body breaks away, so that what is left has valleys.
+    After some impacts a run depends so much on friction that there is a valley for each sequence of
+    impacts, and the way down leads into the nearest. Before them there are few: levels are tried on
+    the first part of the records there, and the best is followed while more is taken in.
     """
     path, start = runs.free_parameters.items[0].path, runs.free_parameters.start
     assert path == "friction.kinetic_coefficient"
-    tried = [np.array([level, *start[1:]]) for level in LEVELS]
+    has_stops = any(stops_of(segment.mechanism) for segment in runs.segments)
+    levels, shares = (CLOSE_LEVELS, SHARES) if has_stops else (LEVELS, ())
+    part = runs.shortened(shares[0]) if shares else runs
+    tried = [np.array([level, *start[1:]]) for level in levels]
     tried.append(start)
-    least = min((runs.linearise(values) for values in tried), key=lambda seen: seen.cost)
+    least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
+    for share in shares:
+        part = runs.shortened(share)
+        least = improve(part, least.values, rounds=ROUNDS_OF_PART, least=0.0, near=least)
+    if shares and least.finite:
+        runs = runs.starting_from(least)
     return runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
 
 
@@ -828,11 +852,14 @@ class DrivenProblem(Problem):
             return None
         count = len(self.beside.root)
         x, away = model.root(node) @ random[:count], random[count:]
-        runs = self.following.of(law, x, model.rig_at(away))
-        if not runs.seen.finite:
-            return None
         seen, law_there = self.following.seen, model.at_knots(law)
         step = np.concatenate([x + law_there, away]) - model.x
+        runs = self.following.moved(step[:count], model.rig_at(away))
+        if not runs.seen.finite:
+            return None
+        runs = runs.of(law, x, model.rig_at(away))
+        if not runs.seen.finite or runs.seen.cost > OTHER * seen.cost:
+            return None
         foreseen = seen.residual - model.slopes @ step
         off = abs(float(foreseen @ foreseen) - runs.seen.cost)
         return None if 0.5 * runs.share / runs.error**2 * off < STRAIGHT else runs

@@ -19,12 +19,14 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.signal import lfilter
 
+from stickslip.errors import InputError
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, Slope, is_dry, is_slope, slope_column
 from stickslip.identify.posterior import Array, Column
 from stickslip.identify.problems.record_rows import (
     AS_RECORDED,
     MIDDLE,
+    RESTS,
     SHORT,
     Acting,
     BalanceRows,
@@ -408,9 +410,10 @@ class Balance:
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
-            self._rows[which] = BalanceRows(
-                self.pieces, which, self._every, self.acting, rests=self.rests
-            )
+            rows = BalanceRows(self.pieces, which, self._every, self.acting, rests=self.rests)
+            if not len(rows.velocity):
+                raise InputError(RESTS)
+            self._rows[which] = rows
         return self._rows[which]
 
     # ---- at the samples

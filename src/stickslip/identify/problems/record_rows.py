@@ -32,6 +32,10 @@ Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
 Mask: TypeAlias = NDArray[np.bool_]
 
+RESTS = (
+    "the body rests throughout the record, or moves by no more than the noise of its position:"
+    " nothing tells friction. Move it farther."
+)
 COST = 0.0015
 """Noise of the inertial force over the standard deviation of the force: at 1 % of it, viscous
 friction of axes in a loop is wrong by .3 to 1.9 %."""
@@ -684,9 +688,6 @@ def pieces_of(
         record = averaged(entry, means) if means > 1 else entry
         pieces.append(Piece(record=record, given=entry, cutoff=cutoff, every=every))
     if fitted and all(np.all(piece.still) for piece in pieces):
-        raise InputError(
-            "the body rests throughout the record, or moves by no more than the noise of its"
-            " position: nothing tells friction. Move it farther."
-        )
+        raise InputError(RESTS)
     taken = max(1.0 / (PER * top), total / MOST_ROWS)
     return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)

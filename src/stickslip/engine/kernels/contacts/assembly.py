@@ -254,8 +254,8 @@ def set_row(contact: int, side: int, w: Vector, iw: IntVector, at: int) -> int:
     if bristle >= 0:
         for k in range(iw[iw[layout.BRISTLE_COUNTS] + contact]):
             w[place + k] = w[at + 2 * iw[layout.N_COORDINATES] + bristle + k]
-        # Friction is affine in the load, which stands outside; rates of bristles are not.
-        w[place + iw[iw[layout.BRISTLE_COUNTS] + contact]] = w[iw[layout.LOAD] + contact]
+    # Friction is affine in the load, which stands outside; switches and rates of bristles are not.
+    w[place + iw[iw[layout.BRISTLE_COUNTS] + contact]] = w[iw[layout.LOAD] + contact]
     return row
 
 

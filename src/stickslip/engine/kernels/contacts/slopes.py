@@ -85,8 +85,11 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, iw: IntVec
 
 def margin_slope(contact: int, which: int, k: int, w: Vector, iw: IntVector) -> float:
     """Return the slope of the margin of a switch of a contact's law along a variable."""
+    wide = variables_of(contact, iw)
     room = iw[layout.LAW_SLOPES] + (3 * contact + 2) * iw[layout.LAW_SLOPE_ROOM]
-    return own_slope(contact, room + which * variables_of(contact, iw), k, w, iw)
+    row = room + which * wide
+    by_load = w[row + wide - 1] * w[iw[layout.LOAD_SLOPES] + contact]
+    return by_load + own_slope(contact, row, k, w, iw)
 
 
 def own_slope(contact: int, at: int, k: int, w: Vector, iw: IntVector) -> float:

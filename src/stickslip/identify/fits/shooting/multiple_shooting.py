@@ -87,6 +87,14 @@ class Shooting:
     steps: int = ROUNDS
     """Steps of an initial state at most, each time: the next goes on from there."""
 
+    def shortened(self, share: float) -> "Shooting":
+        """Return the same with the first rows of each segment only."""
+        segments = []
+        for s in self.segments:
+            count = max(min(FIRST, len(s.times)), round(share * len(s.times)))
+            segments.append(replace(s, times=s.times[:count], measured=s.measured[:count]))
+        return replace(self, segments=tuple(segments))
+
     def starting_from(self, seen: ResidualJacobian) -> "Shooting":
         """Return the same with the initial states of an answer as first guesses."""
         segments = enumerate(self.segments)
