@@ -53,8 +53,8 @@ def test_a_reading_without_uncertainty_leaves_the_parameter_unbounded_and_says_w
 @pytest.mark.parametrize("law", [Coulomb, Viscous, CoulombViscous, Stribeck, Dahl])
 def test_the_fitted_law_reproduces_the_travel(law):
     result = fit(RIG, law, READING)
-    # the root is sought to 1e-11; stiff runs are exact to 1e-8
-    assert result.predicted[0] == pytest.approx(0.20, rel=1e-7)
+    # a search ends where a step changes nothing that readings tell apart, 1e-5 of a travel
+    assert result.predicted[0] == pytest.approx(0.20, rel=1e-5)
 
 
 def test_three_travels_give_both_parameters_of_the_law_that_made_them():

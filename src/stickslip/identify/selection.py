@@ -53,6 +53,7 @@ from stickslip.identify.wording import (
     start_sentence,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import quantity
@@ -324,8 +325,23 @@ def select_record(
         remarks=[
             *map(str, checks.of("outliers")),
             *([runs.sentence] if runs and runs.sentence else []),
+            *_of_recorded_swings(mechanism),
         ],
     )
+
+
+def _of_recorded_swings(mechanism: Mechanism) -> list[str]:
+    """Return a sentence for each recorded motion that drives, whose error no interval holds."""
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    drives = mechanism.drives()
+    guided = ((name, drives[guide.drive]) for name, guide in mechanism.guided().items())
+    return [
+        f"The motion of {name} is a recorded one, whose acceleration has a standard error of"
+        f" {quantity(drive.acceleration_error, f'{units[name]}/s^2')} from noise, beside what its"
+        " smoothing flattens: neither is part of the intervals."
+        for name, drive in guided
+        if isinstance(drive, SampledSwing)
+    ]
 
 
 def _driven_problem(
