@@ -212,13 +212,10 @@ def test_a_rig_file_of_the_law_is_refused_before_the_work(run, monkeypatch, tmp_
 @pytest.mark.parametrize(
     ("arguments", "use"),
     [
-        (("fit", "--horizon", "1"), "records of motion or friction"),
-        (("fit", "--segment", "1"), "records of motion or friction"),
         (
             ("fit", "--hold", "first"),
             "records of several joints and records of motion or friction",
         ),
-        (("select", "--horizon", "1"), "records of motion or friction"),
         (("select", "--enforce"), "travels"),
     ],
 )

@@ -329,8 +329,8 @@ class SelectOptions(MeasuredOptions, DemoOptions):
     The verdict names a law and its parameters, gives a 95 % band over all candidate laws,
     and says what to measure next.
 
-    While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit
-    so far, twice to cancel.
+    While laws are fitted to travels, stick-slip or velocity steps, press Ctrl-C once to stop with
+    the best fit so far, twice to cancel.
     """
 
     tolerance: Annotated[str | None, typer.Option(metavar="2%")] = None
@@ -343,7 +343,8 @@ class FitOptions(MeasuredOptions, WriteOptions):
 
     The parameters are printed with their confidence intervals.
 
-    While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
+    While a law is fitted to travels, stick-slip or velocity steps, press Ctrl-C once to stop with
+    the best fit so far, twice to cancel.
     """
 
     law: str | None = None

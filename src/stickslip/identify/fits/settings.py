@@ -59,8 +59,8 @@ class RecordSettings(metaclass=Described):
     """Of the draws of laws by runs."""
     position_zeros: bool | None = None
     """Whether positions of each record count from a place that is not known, as where encoders are
-    set to 0 wherever an arm rests; where not given, those of a body that swings or slides freely
-    do. True is for records of several joints, whose constant forces are then 0."""
+    set to 0 wherever an arm rests; for records of several joints, whose constant forces are then
+    0. None is no."""
 
     @property
     def changed(self) -> tuple[str, ...]:
