@@ -292,7 +292,7 @@ def select_record(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
         timed=hold is not None,
     )  # fmt: skip
-    runs = followed(mechanism, measurement, vary, doubts=doubts, hold=hold)
+    runs = followed(mechanism, measurement, vary, doubts=doubts, offset=offset, hold=hold)
     if runs is None:
         rig = settled(mechanism, measurement, vary, offset=offset)
     else:
