@@ -203,6 +203,29 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
         fit(wild, Coulomb, seen)
 
 
+def test_a_motion_that_noise_leaves_no_row_of_is_refused():
+    mechanism, length, rate, _ = CASES["stroke"]
+    t = np.arange(0.0, length, 1.0 / rate)
+    v = simulate(mechanism, TRUTH, t_end=length).at(t)["v"]
+    noisy = v + 1e-2 * np.random.default_rng(1).normal(size=t.size)
+    with pytest.raises(InputError, match=r"too short for the noise.*s of 1\.2 s are motion"):
+        fitted(mechanism, Measurement(time=t, velocity=noisy))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
+def test_an_axis_that_rests_under_its_drive_is_refused(noise):
+    t = np.arange(0.0, 3.0, 0.01)
+    x = noise * np.random.default_rng(0).normal(size=t.size)
+    with pytest.raises(InputError, match=r"no motion was recorded|rests throughout"):
+        fitted(SHAKEN, Measurement(time=t, position=x))
+
+
+def test_runs_of_a_body_that_sticks_tell_nothing():
+    t = np.arange(0.0, 3.0, 0.01)
+    found = fitted(SHAKEN, Measurement(time=t, velocity=np.where(t == t[150], 0.01, 0.0)))
+    assert not isinstance(found.judgement.problem, DrivenProblem)
+
+
 def travels(settings, law, t_end, seed=1):
     """Return what a tape measure says of a kicked capsule, by period and duty."""
     mechanism, rng, trials = CASES["kicks"][0], np.random.default_rng(seed), []

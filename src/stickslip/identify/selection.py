@@ -30,7 +30,7 @@ from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, f
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import AGAIN
-from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
+from stickslip.identify.problems.record_checks import LIFTED, refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import LOAD, RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
@@ -224,7 +224,7 @@ def problem_of_records(
     doubts = {path: item.doubt for path, item in records[0].unknown.items() if item.doubt}
     if loads:
         if not all(np.all(load > 0.0) for load in loads):
-            raise InputError("the motion lifts the body: its normal force is not above 0 N.")
+            raise InputError(LIFTED)
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
         normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)

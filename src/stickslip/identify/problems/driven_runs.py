@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from stickslip.data import Measurement
+from stickslip.errors import InputError
 from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
@@ -87,7 +88,7 @@ from stickslip.identify.problems.free_runs import (
     refined_shapes,
     worth,
 )
-from stickslip.identify.problems.record_checks import plain_columns
+from stickslip.identify.problems.record_checks import LIFTED, plain_columns
 from stickslip.identify.problems.record_columns import Balance, through_gear
 from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
 from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
@@ -385,7 +386,7 @@ class DrivenRuns:
             runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
         )
         for _ in range(rounds):
-            if not best.finite:
+            if not best.finite or not share:
                 break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
@@ -440,7 +441,7 @@ class DrivenRuns:
     @property
     def determines_rig(self) -> bool:
         """Whether runs tell the parameters of the mechanism beside any friction."""
-        if not self.seen.finite:
+        if not self.seen.finite or not self.share:  # of a body that sticks nothing depends
             return False
         count = len(self.sought)
         if not count:
@@ -538,7 +539,7 @@ def followed(
         given={path: known.get(path, 0.0) for path in (*unknown, *doubts)},
         doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()},
     ).settled()
-    if not first.seen.finite:
+    if not first.seen.finite or not first.share:
         return None
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
@@ -585,6 +586,8 @@ def _start_of(mechanism: Mechanism, measurement: Measurement) -> _Start:
     sizes = np.sqrt(np.mean(table**2, axis=0)) + 1e-300
     _, viscous, offset = (np.linalg.lstsq(table / sizes, rows.response, rcond=1e-9)[0] / sizes)[:3]
     load = load_of(mechanism) if records[0].load is None else float(np.median(records[0].load))
+    if load <= 0.0:
+        raise InputError(LIFTED)
     speed = float(np.quantile(np.abs(rows.velocity), QUICK))
     left = np.abs(rows.response - offset * both_ways)
     # where speeds hardly differ a level passes for a viscous part, and the other way round
