@@ -21,7 +21,7 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import Hold, goes_straight, inside, load_of
+from stickslip.identify.fits import Hold, drives_itself, goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
@@ -213,11 +213,13 @@ def problem_of_records(
     turning: bool = False,
     highest: float = math.inf,
     timed: bool = False,
+    force_recorded: bool = True,
 ) -> RecordProblem | FreeMotionProblem:
     """Return records with the normal force, and the parameters that are looked for.
 
     A constant force is among these with `offset`. What nothing drives is a free motion. It may be
-    known how forces run between samples (`timed`).
+    known how forces run between samples (`timed`), or that a drive of the mechanism makes them
+    (not `force_recorded`).
     """
     loads = [record.load for record in records if record.load is not None]
     slopes: dict[str, tuple[float, float]] = {}
@@ -254,6 +256,7 @@ def problem_of_records(
         turning=turning,
         highest=highest,
         timed=timed,
+        force_recorded=force_recorded,
     )
 
 
@@ -290,7 +293,7 @@ def select_record(
     made = partial(records_of, unknown=vary, offset=offset, held=held, doubts=doubts)
     problem_of = partial(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
-        timed=hold is not None,
+        timed=hold is not None, force_recorded=not drives_itself(mechanism, measurement),
     )  # fmt: skip
     runs = followed(mechanism, measurement, vary, doubts=doubts, offset=offset, hold=hold)
     if runs is None:
