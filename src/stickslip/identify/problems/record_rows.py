@@ -539,9 +539,9 @@ def _unresolved(pieces: Sequence[Piece]) -> str:
     total = sum(len(piece.still) * piece.step for piece in pieces)
     return (
         f"the motion is too short for the noise of its sensor: {moving:.2g} s of {total:.3g} s are"
-        f" motion, and at {pieces[0].cutoff:.2g} Hz, which the noise allows, none of it is away from"
-        " rests, from the ends and from where the way begins. Record a longer motion, or measure"
-        " it with less noise."
+        f" motion, and at {pieces[0].cutoff:.2g} Hz, which the noise allows, none of it is away"
+        " from rests, from the ends and from where the way begins. Record a longer motion, or"
+        " measure it with less noise."
     )
 
 
