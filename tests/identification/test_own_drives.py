@@ -24,6 +24,7 @@ from stickslip.mechanisms import Prescribed, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
 
 TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
+SMOOTH = Coulomb(kinetic_coefficient=0.18)
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 STROKE = ThreePhase(amplitude=0.01, fast=50.0, slow=9.0, first="slow")
 KICKS = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)
@@ -155,12 +156,29 @@ def test_a_number_of_the_drive_may_be_looked_for_too():
     assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
 
 
-@pytest.mark.slow
-def test_an_axis_with_a_drive_of_its_own_is_driven_by_it():
-    shaken = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
-    level = fitted(shaken, record(shaken, 6.0, 100.0, 2e-4)).estimate("kinetic_coefficient")
+SHAKEN = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
+
+
+@pytest.mark.parametrize("pushes", [0.0, 0.5])
+def test_runs_tell_friction_of_an_axis_that_drives_itself_beside_a_constant_force(pushes):
+    seen = record(replace(SHAKEN, offset=pushes), 3.0, 100.0, 2e-4, law=SMOOTH)
+    found = fitted(SHAKEN, seen)
+    level, constant = found.estimates
     assert level.low <= 0.18 <= level.high
-    assert level.value == pytest.approx(0.18, abs=0.003)
+    assert level.high - level.low < 0.001
+    assert constant.low <= pushes <= constant.high
+    assert constant.high - constant.low < 0.005
+    assert found.mechanism.offset == constant.value
+    assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
+
+
+def test_runs_have_the_constant_force_that_is_fixed():
+    seen = record(SHAKEN, 3.0, 100.0, 2e-4, law=SMOOTH)
+    found = fit(SHAKEN, Coulomb, seen, fixed={"offset": 0.0})
+    (level,) = found.estimates
+    assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.001
+    assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
 
 
 def test_one_law_of_a_selection_is_its_fit():
@@ -183,6 +201,36 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
     wild = replace(mechanism, ball_mass=20.0 * mechanism.ball_mass)
     with pytest.raises(InputError, match="the motion lifts the body"):
         fit(wild, Coulomb, seen)
+
+
+def test_a_balance_without_a_recorded_force_says_nothing_of_its_dead_zone():
+    seen = record(replace(SHAKEN, offset=-1.0), 3.0, 100.0, 2e-4, law=SMOOTH)
+    found = fit(SHAKEN, Coulomb, seen, fixed={"offset": 0.0})  # wrong: no run follows
+    assert not isinstance(found.judgement.problem, DrivenProblem)
+    assert not any("dead zone" in sentence for sentence in found.sentences)
+
+
+def test_a_motion_that_noise_leaves_no_row_of_is_refused():
+    mechanism, length, rate, _ = CASES["stroke"]
+    t = np.arange(0.0, length, 1.0 / rate)
+    v = simulate(mechanism, TRUTH, t_end=length).at(t)["v"]
+    noisy = v + 1e-2 * np.random.default_rng(1).normal(size=t.size)
+    with pytest.raises(InputError, match=r"too short for the noise.*s of 1\.2 s are motion"):
+        fitted(mechanism, Measurement(time=t, velocity=noisy))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-4])
+def test_an_axis_that_rests_under_its_drive_is_refused(noise):
+    t = np.arange(0.0, 3.0, 0.01)
+    x = noise * np.random.default_rng(0).normal(size=t.size)
+    with pytest.raises(InputError, match=r"no motion was recorded|rests throughout"):
+        fitted(SHAKEN, Measurement(time=t, position=x))
+
+
+def test_runs_of_a_body_that_sticks_tell_nothing():
+    t = np.arange(0.0, 3.0, 0.01)
+    found = fitted(SHAKEN, Measurement(time=t, velocity=np.where(t == t[150], 0.01, 0.0)))
+    assert not isinstance(found.judgement.problem, DrivenProblem)
 
 
 def travels(settings, law, t_end, seed=1):

@@ -13,6 +13,7 @@ from stickslip import (
     RecordSettings,
     SpringBlock,
     TowedBlock,
+    TwoMassAxis,
     fit,
     select,
     simulate,
@@ -20,8 +21,8 @@ from stickslip import (
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import law
 from stickslip.identify.problems.record_checks import wrong_sign
-from stickslip.identify.problems.record_signals import records_of
-from stickslip.mechanisms.drives import Sampled
+from stickslip.identify.problems.record_signals import NotToldError, records_of
+from stickslip.mechanisms.drives import Sampled, Sine
 
 AXIS = Axis(inertia=5.0)
 TIME = np.arange(2000) / 500
@@ -298,3 +299,41 @@ def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
     assert "spring of 100,000 N/m" in " ".join(verdict.words.cannot_tell)
     inertia = next(one for one in verdict.parameters if one.path == "mechanism.inertia")
     assert inertia.low < 0.0 < inertia.high < 2.0
+
+
+@pytest.mark.parametrize(
+    ("law", "choice", "cause"),
+    [
+        ("lugre", {"fixed": {"viscous_coefficient": 30.0}}, r"viscous_coefficient cannot be held"),
+        ("elasto-plastic", {}, r"tell Dahl and LuGre friction: fit one of these"),
+    ],
+)
+def test_a_law_with_states_is_refused_with_the_cause(parts, law, choice, cause):
+    with pytest.raises(NotToldError, match=cause):
+        fit(AXIS, law, Measurement(**parts), **choice)
+
+
+def test_states_that_a_drive_without_a_recorded_force_does_not_show_are_refused():
+    shaken = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
+    run = simulate(shaken, Coulomb(kinetic_coefficient=0.18), t_end=3.0)
+    t = np.arange(0.0, 3.0, 0.01)
+    x = run.at(t)["x"] + 2e-4 * np.random.default_rng(1).normal(size=t.size)
+    with pytest.raises(NotToldError, match=r"in time of a force that drives the motion"):
+        fit(shaken, "lugre", Measurement(time=t, position=x))
+
+
+# --- what is fitted nevertheless
+
+
+def test_the_encoder_of_one_of_two_masses_tells_friction():
+    axis = TwoMassAxis(motor_inertia=1.0, load_inertia=2.0, stiffness=50.0)
+    drive, t = Sine(amplitude=8.0, frequency=0.7), np.arange(0.0, 3.0, 0.01)
+    run = simulate(
+        dataclasses.replace(axis, drive=drive), Coulomb(kinetic_coefficient=1.0), t_end=3.0
+    )
+    x = run.at(t)["x"] + 1e-4 * np.random.default_rng(0).normal(size=t.size)
+    force = 8.0 * np.sin(2.0 * np.pi * 0.7 * t)
+    found = fit(axis, "coulomb", Measurement(time=t, position=x, force=force))
+    (level,) = found.estimates
+    assert level.low <= 1.0 <= level.high
+    assert level.high - level.low < 0.3

@@ -171,7 +171,7 @@ def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str
         drive = 1.0 / cycle_of(vary(mechanism, PREFIX, record.overrides))
         best, share = frequency_of(time, x)
         own = oscillation(time, x, 0.5 * drive, 2 * HARMONICS)
-        cycles = float(np.rint(drive / best))
+        cycles = max(1.0, float(np.rint(drive / best)))
         near = abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
         repeats = near and 1.0 < cycles <= CYCLES
         if share > HALF and own < HALF * share and not repeats:

@@ -110,13 +110,26 @@ def held_power(terms: Collection[str], varied: Collection[str]) -> Family:
     return tuple(sorted({*terms} - {"power"} | {"viscous"} if held else terms))
 
 
-def untold_states(law: type[FrictionLaw]) -> NotToldError:
-    """Return why a law with states is not fitted to what does not show them."""
-    return NotToldError(
-        f"{law.title} friction has states that this measurement does not show, or not with these"
-        " parameters alone. Records in time tell Dahl and LuGre friction with all of its"
-        " parameters: fit one of these, or a law without states."
-    )
+def untold_states(law: type[FrictionLaw], held: Collection[str] = ()) -> NotToldError:
+    """Return why a law with states, some parameters `held`, is not fitted."""
+    parts = law.composition.parts() if law.composition is not None else ()
+    if not {*REMEMBERED} & {*map(str, parts)}:
+        cause = (
+            "has states that no measurement tells here. Records of a force in time tell Dahl and"
+            " LuGre friction: fit one of these, or a law without states."
+        )
+    elif held:
+        cause = (
+            f"has states, and is fitted with all of its parameters: {joined(sorted(held))} cannot"
+            " be held. Leave out fixed, vary all of the law, or fit a law without states."
+        )
+    else:
+        cause = (
+            "has states that this measurement does not show: a record in time of a force that"
+            " drives the motion, or of friction, shows them where bristles are stretched by more"
+            " than the noise of the position. Record one, or fit a law without states."
+        )
+    return NotToldError(f"{law.title} friction {cause}")
 
 
 ROUNDS = 3

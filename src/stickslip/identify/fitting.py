@@ -59,7 +59,9 @@ def fitted_law(
         if fit is not None:
             return _said(fit, verdict)
     if kind.states:
-        raise untold_states(kind)
+        usual = names_to_find(kind, None, ())
+        needed = {*held} - {*OPTIONAL, *(name for name in MAY_BE_HELD if held.get(name) == 1.0)}
+        raise untold_states(kind, needed & {*usual})
     as_it_is = isinstance(law, type) and not known
     own = to_fit if as_it_is else OwnLaw(law=starting(law, known, load), varied=names)
     verdict = select([own])

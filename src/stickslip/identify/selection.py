@@ -21,7 +21,14 @@ from stickslip.data import (
 from stickslip.errors import InputError
 from stickslip.identify.bands import Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
-from stickslip.identify.fits import Hold, goes_straight, inside, load_of, refuse_other_loads
+from stickslip.identify.fits import (
+    Hold,
+    drives_itself,
+    goes_straight,
+    inside,
+    load_of,
+    refuse_other_loads,
+)
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judgement import DRAWS, Judgement
 from stickslip.identify.ladder import ladder_verdict, rest_sentence
@@ -30,7 +37,7 @@ from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, f
 from stickslip.identify.problems.free_balance import free_form, goes_on
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import AGAIN
-from stickslip.identify.problems.record_checks import refuse_wrong_signs, settled
+from stickslip.identify.problems.record_checks import LIFTED, refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import LOAD, RecordProblem
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
@@ -214,18 +221,20 @@ def problem_of_records(
     turning: bool = False,
     highest: float = math.inf,
     timed: bool = False,
+    force_recorded: bool = True,
 ) -> RecordProblem | FreeMotionProblem:
     """Return records with the normal force, and the parameters that are looked for.
 
     A constant force is among these with `offset`. What nothing drives is a free motion. It may be
-    known how forces run between samples (`timed`).
+    known how forces run between samples (`timed`), or that a drive of the mechanism makes them
+    (not `force_recorded`).
     """
     loads = [record.load for record in records if record.load is not None]
     slopes: dict[str, tuple[float, float]] = {}
     doubts = {path: item.doubt for path, item in records[0].unknown.items() if item.doubt}
     if loads:
         if not all(np.all(load > 0.0) for load in loads):
-            raise InputError("the motion lifts the body: its normal force is not above 0 N.")
+            raise InputError(LIFTED)
         normal = float(np.exp(np.mean(np.log(np.concatenate(loads)))))
     else:
         normal, slopes = load_of(mechanism), load_slopes(mechanism, vary, doubts)
@@ -255,6 +264,7 @@ def problem_of_records(
         turning=turning,
         highest=highest,
         timed=timed,
+        force_recorded=force_recorded,
     )
 
 
@@ -292,9 +302,9 @@ def select_record(
     made = partial(records_of, unknown=vary, offset=offset, held=held, doubts=doubts)
     problem_of = partial(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
-        timed=hold is not None,
+        timed=hold is not None, force_recorded=not drives_itself(mechanism, measurement),
     )  # fmt: skip
-    runs = followed(mechanism, measurement, vary, doubts=doubts, hold=hold)
+    runs = followed(mechanism, measurement, vary, doubts=doubts, offset=offset, hold=hold)
     if runs is None:
         rig = settled(mechanism, measurement, vary, offset=offset)
     else:

@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from stickslip.data import Measurement
+from stickslip.errors import InputError
 from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
@@ -87,7 +88,7 @@ from stickslip.identify.problems.free_runs import (
     refined_shapes,
     worth,
 )
-from stickslip.identify.problems.record_checks import plain_columns
+from stickslip.identify.problems.record_checks import LIFTED, plain_columns
 from stickslip.identify.problems.record_columns import Balance, through_gear
 from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
 from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
@@ -149,10 +150,11 @@ FAST = 0.5
 that a viscous part is there at most."""
 LITTLE = 0.01
 """Share of a force that is next to nothing of it, and of samples that are few of them."""
+OFFSET = "mechanism.offset"
+"""Path of a constant force: a balance has it as a term, and takes it off."""
 UNSEEN = (
     "Runs do not tell whether friction changes with the direction, an input, the place, in time or"
-    " between records, nor a constant force or presliding: the intervals hold for friction as it"
-    " was on average."
+    " between records, nor{} presliding: the intervals hold for friction as it was on average."
 )
 """What is not looked for."""
 
@@ -392,7 +394,7 @@ class DrivenRuns:
             runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
         )
         for _ in range(rounds):
-            if not best.finite:
+            if not best.finite or not share:
                 break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
@@ -453,7 +455,7 @@ class DrivenRuns:
     @property
     def determines_rig(self) -> bool:
         """Whether runs tell the parameters of the mechanism beside any friction."""
-        if not self.seen.finite:
+        if not self.seen.finite or not self.share:  # of a body that sticks nothing depends
             return False
         count = len(self.sought)
         if not count:
@@ -478,11 +480,13 @@ class DrivenRuns:
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        words, driven = [f"the {parameter_words(path)}" for path in self.sought], "its own drive"
+        words = [f"the {parameter_words(path)}" for path in self.sought if path != OFFSET]
+        driven = "its own drive"
         if any(segment.start for segment in self.runs.segments):
             driven = "the recorded voltage"
         if self.is_followed:
-            own = joined([*words, "friction"])
+            constant = ["the constant force"] * (OFFSET in self.sought)
+            own = joined([*words, *constant, "friction"])
             return f"Runs of the mechanism under {driven} determine {own}."
         if not words:
             return ""
@@ -498,8 +502,9 @@ class DrivenRuns:
 
         Of its root :math:`L` each column is what one of them, and others with it, changes by.
         """
-        paths = self.sought
-        root = np.linalg.cholesky(self.covariance()[: len(paths), : len(paths)])
+        places = [k for k, path in enumerate(self.sought) if path != OFFSET]
+        paths = [self.sought[k] for k in places]
+        root = np.linalg.cholesky(self.covariance()[np.ix_(places, places)])
         result = []
         for record in records:
             own = dict(record.unknown)
@@ -521,30 +526,33 @@ def followed(
     unknown: Sequence[str],
     *,
     doubts: Mapping[str, float],
+    offset: bool = True,
     hold: Hold | None = None,
 ) -> DrivenRuns | None:
     """Return runs that follow the readings; None where a balance tells what is unknown as well.
 
-    That is so where a recorded force drives, or forces are linear in what is looked for, where the
-    mechanism has a constant force, which the balance takes off, where a plain law has no friction,
-    which is the scale of the rest, and where runs do not tell parameters apart either, as
-    resistance and torque constant are not under friction that is the same at any torque.
+    That is so where a recorded force drives, or forces are linear in what is looked for, where a
+    plain law has no friction, which is the scale of the rest, and where runs do not tell parameters
+    apart either, as resistance and torque constant are not under friction that is the same at any
+    torque. A constant force, with `offset`, is unknown beside all else where the body moves both
+    ways: in one direction it is part of the level.
     """
     if not _is_run(mechanism, measurement, unknown):
         return None
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     if any(known[path] <= 0.0 for path in doubts):
         return None
-    runs = _runs_of(mechanism, measurement, unknown, doubts, hold)
-    if runs is None:
-        return None
+    start = _start_of(mechanism, measurement)
+    if offset and OFFSET in known and OFFSET not in (*unknown, *doubts) and start.both_ways:
+        unknown = (*unknown, OFFSET)
+    runs = _runs_of(mechanism, measurement, start, (*unknown, *doubts), doubts, hold)
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
         given={path: known.get(path, 0.0) for path in (*unknown, *doubts)},
         doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()},
     ).settled()
-    if not first.seen.finite:
+    if not first.seen.finite or not first.share:
         return None
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
@@ -563,32 +571,62 @@ def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[st
     return any(column.bent for column in record.unknown.values())
 
 
-def _runs_of(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    unknown: Sequence[str],
-    doubts: Collection[str],
-    hold: Hold | None,
-) -> Shooting | None:
-    """Return runs of a plain law that start from a balance; None where that seeks an offset."""
-    quantity = measured_quantity(measurement)
+@dataclass(frozen=True, kw_only=True)
+class _Start:
+    """A plain law as a balance has it."""
+
+    level: float
+    viscous: float
+    """Viscous friction [N s/m]."""
+    offset: float
+    """A constant force beside that of the mechanism [N]."""
+    size: float
+    """Root mean square of what is not the constant force [N]."""
+    speed: float
+    """The fastest speed [m/s]."""
+    load: float
+    both_ways: bool
+    """Whether the body moves in both directions."""
+
+
+def _start_of(mechanism: Mechanism, measurement: Measurement) -> _Start:
+    """Return a plain law from a balance."""
     records = records_of(mechanism, measurement)
     rows, friction, rig = plain_columns(records)
     back, ahead = (float(np.mean(side * rows.velocity > 0.0)) for side in (-1.0, 1.0))
     both_ways = min(back, ahead) > LITTLE
-    if both_ways and getattr(mechanism, "offset", None) is not None:
-        return None
     table = np.column_stack([*friction, *rig])
     sizes = np.sqrt(np.mean(table**2, axis=0)) + 1e-300
     _, viscous, offset = (np.linalg.lstsq(table / sizes, rows.response, rcond=1e-9)[0] / sizes)[:3]
     load = load_of(mechanism) if records[0].load is None else float(np.median(records[0].load))
+    if load <= 0.0:
+        raise InputError(LIFTED)
     speed = float(np.quantile(np.abs(rows.velocity), QUICK))
     left = np.abs(rows.response - offset * both_ways)
-    size = float(np.sqrt(np.mean(left**2)))
     # where speeds hardly differ a level passes for a viscous part, and the other way round
     level = float(np.median(left[np.abs(rows.velocity) >= FAST * speed])) / load
-    viscous = min(viscous, FAST * level * load / speed)
-    starts = {"kinetic_coefficient": level, "viscous_coefficient": float(viscous)}
+    return _Start(
+        level=level,
+        viscous=min(float(viscous), FAST * level * load / speed),
+        offset=float(offset),
+        size=float(np.sqrt(np.mean(left**2))),
+        speed=speed,
+        load=load,
+        both_ways=both_ways,
+    )
+
+
+def _runs_of(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    start: _Start,
+    paths: Sequence[str],
+    doubts: Collection[str],
+    hold: Hold | None,
+) -> Shooting:
+    """Return runs of a plain law with parameters of the mechanism, from a balance."""
+    size, load, speed = start.size, start.load, start.speed
+    starts = {"kinetic_coefficient": start.level, "viscous_coefficient": start.viscous}
     least = {"kinetic_coefficient": LITTLE * size / load, "viscous_coefficient": 0.0}
     most = {"kinetic_coefficient": WIDE * size / load, "viscous_coefficient": WIDE * size / speed}
     kinds = fields_of(CoulombViscous)
@@ -600,8 +638,9 @@ def _runs_of(
         )
         for name, x in starts.items()
     ]  # fmt: skip
-    for path in (*unknown, *doubts):
+    for path in paths:
         item, x = known[path]
+        x += start.offset * (path == OFFSET and start.both_ways)
         log, far = item.above is not None or path in doubts, WIDE * (size + abs(x))
         items.append(
             FreeParameter(
@@ -614,7 +653,7 @@ def _runs_of(
         law=CoulombViscous(**{name: items[k].start for k, name in enumerate(starts)}),
         free_parameters=FreeParameters(tuple(items)),
         segments=segments_of(mechanism, measurement, hold=hold or "zero"),
-        quantity=quantity,
+        quantity=measured_quantity(measurement),
         steps=STEPS,
     )
     return _begun(runs) if drives_itself(mechanism, measurement) else runs
@@ -974,7 +1013,10 @@ class DrivenProblem(Problem):
     # ---- what leaves ------------------------------------------------------------------------
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
-        return self.model.rig(draws)
+        result = self.model.rig(draws)
+        if OFFSET in result:
+            result[self.plain.offset or OFFSET] = result.pop(OFFSET)
+        return result
 
     def points(self, rung: Rung) -> MeasuredPoints:
         return self.plain.points(rung, apart=True)  # a balance has no friction at a turn
@@ -986,4 +1028,4 @@ class DrivenProblem(Problem):
         return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
 
     def untold(self) -> list[str]:
-        return [UNSEEN]
+        return [UNSEEN.format(" a constant force or" * (OFFSET not in self.following.sought))]

@@ -811,7 +811,8 @@ def worth(slopes: Array, residual: Array, precision: Array) -> float:
     gram = slopes.T @ slopes + precision
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
-    scores = slopes / size @ (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1])))
+    least = max(ROUNDED * values[-1], 1e-300)
+    scores = slopes / size @ (vectors / np.sqrt(np.maximum(values, least)))
     scores = scores * residual[:, None]
     blocks = np.arange(len(scores)) * BLOCKS // len(scores)
     sums = np.zeros((BLOCKS, scores.shape[1]))

@@ -29,6 +29,7 @@ BACKWARD = 0.02
 """Share of the path forward that a motion in one direction goes back, by noise, at most."""
 TOO_SMALL = 0.1
 """Force of inertia and of all else over that of friction, up to which no delay makes that drive."""
+LIFTED = "the motion lifts the body: its normal force is not above 0 N."
 OTHER_SIGN = (
     "with the sign that the force has, friction would drive the motion: turn the sign of the force"
     " (its gain, -1), or that of the position"

@@ -528,6 +528,18 @@ class Piece:
         return result
 
 
+def _unresolved(pieces: Sequence[Piece]) -> str:
+    """Return why no sample of records can be a row."""
+    moving = sum(float(np.sum(~piece.still)) * piece.step for piece in pieces)
+    total = sum(len(piece.still) * piece.step for piece in pieces)
+    return (
+        f"the motion is too short for the noise of its sensor: {moving:.2g} s of {total:.3g} s are"
+        f" motion, and at {pieces[0].cutoff:.2g} Hz, which the noise allows, none of it is away"
+        " from rests, from the ends and from where the way begins. Record a longer motion, or"
+        " measure it with less noise."
+    )
+
+
 class BalanceRows:
     """Rows of all pieces at one cutoff: those in motion, or those at rest."""
 
@@ -549,6 +561,8 @@ class BalanceRows:
         self.far = np.concatenate(far)
         """Distance to a turn or a rest, over 1/cutoff (n,)."""
         self.count = len(self.far)
+        if not self.count and not rests:
+            raise InputError(_unresolved(pieces))
         sizes = [len(pick) for pick in self.picks]
         self.piece = np.repeat(np.arange(len(pieces)), sizes)
         """Number of the piece of each row."""

@@ -135,6 +135,8 @@ class RecordProblem(Problem):
         Largest cutoff [Hz].
     timed : bool
         Whether it is known how forces run between samples.
+    force_recorded : bool
+        Whether forces were recorded, not those of a drive that the mechanism has.
     """
 
     records: Sequence[Record]
@@ -146,6 +148,7 @@ class RecordProblem(Problem):
     turning: bool = False
     highest: float = math.inf
     timed: bool = False
+    force_recorded: bool = True
 
     def __post_init__(self) -> None:
         known = None
@@ -706,7 +709,11 @@ class RecordProblem(Problem):
             )
         if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
             result.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
-        if not balance.measured and self._spread_of_dead_zone() > NEGLIGIBLE:
+        if (
+            self.force_recorded
+            and not balance.measured
+            and self._spread_of_dead_zone() > NEGLIGIBLE
+        ):
             result.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
                 " cannot be distinguished from the level of friction, which is stated without one:"
