@@ -117,7 +117,7 @@ def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> 
     >>> request = Request(mechanism=SpringBlock(mass=1.0), measurement=Measurement(travel=0.2))
     >>> refuse_unused(kind_of_route("travel"), {"hold": "--hold"}, request)
     Traceback (most recent call last):
-    stickslip.errors.InputError: --hold applies to records of motion or friction and records of ...
+    stickslip.errors.InputError: --hold applies to records of several joints and records of ...
     """
     for name, called_ in given.items():
         if name == "route" and kind.reads(request.measurement):
