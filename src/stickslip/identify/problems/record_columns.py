@@ -411,7 +411,7 @@ class Balance:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
             rows = BalanceRows(self.pieces, which, self._every, self.acting, rests=self.rests)
-            if not len(rows.velocity):
+            if not len(rows.velocity) and self._from is self:  # others may have none
                 raise InputError(RESTS)
             self._rows[which] = rows
         return self._rows[which]
