@@ -254,7 +254,7 @@ def test_a_law_with_states_that_no_balance_tells_is_refused():
         Measurement(time=t, position=np.sin(rate * t), force=np.cos(rate * t))
         for rate in (2.0, 3.0)
     )
-    with pytest.raises(InputError, match="has states that this measurement does not show"):
+    with pytest.raises(InputError, match="has states that no measurement tells here"):
         compared(Measurement(trials=trials), ElastoPlastic)
 
 
