@@ -230,7 +230,7 @@ def test_an_input_that_stays_is_known_to_a_law_of_any_form(servo):
     assert composed.inputs["temperature"] == 20.0
 
 
-def test_a_constant_force_is_left_to_the_balance(servo):
+def test_a_constant_force_is_an_unknown_of_the_runs(servo):
     t = np.arange(0.0, 6.0, servos.PERIOD)
     volts = 6.0 * np.sin(4.4 * t) + 3.0 * np.sin(11.9 * t + 1.0)
     law = CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.004)
@@ -240,7 +240,7 @@ def test_a_constant_force_is_left_to_the_balance(servo):
     record = Measurement(time=t, position=angle, voltage=volts, turning=True)
     axis = Axis(inertia=4e-3, drive=guessed(servo, torque_constant=1.0).drive)
     for vary in ([RESISTANCE], [RESISTANCE, "mechanism.offset"]):
-        assert followed(axis, record, vary, doubts={}, hold="zero") is None
+        assert "mechanism.offset" in followed(axis, record, vary, doubts={}, hold="zero").given
     verdict = select(axis, [CoulombViscous], record, vary=["friction.*", RESISTANCE, "offset"])
     force = next(x for x in verdict.parameters if x.path == "mechanism.offset")
     assert force.low < 0.02 < force.high
