@@ -12,13 +12,13 @@ from scipy.integrate import solve_ivp
 from tests.pair_cases import PUSH, Pair, axis
 
 from stickslip import Axis, Dahl, FixedStep, Measurement, fit, simulate
-from stickslip.engine.solver.compile.states import states_along
 from stickslip.errors import InputError
 from stickslip.friction import law, specification
 from stickslip.maths import Latches, latched
 from stickslip.mechanisms import given_inputs
 from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import fields_of
+from stickslip.study.characterization.battery import moved_at
 
 CURVE = {
     "kinetic_coefficient": 1.0,
@@ -200,9 +200,12 @@ def test_elements_around_a_level_that_moves_run_and_slide_at_that_level(memory, 
 
 def followed(own, t, travel):
     """Return states (n, b) at times (n,) of a way that is travelled evenly between them."""
-    steps = np.diff(t)
-    motion = np.column_stack([steps, travel / steps, np.ones(len(steps))])
-    return states_along(own, motion, (), np.zeros((len(own.states), 1)))[..., 0].T
+    z, latches = np.zeros(len(own.states)), Latches(off=True)
+    result = [z]
+    for way, step in zip(travel, np.diff(t), strict=True):
+        z = moved_at(own, way / step, z, 1.0, np.array([step]), latches)[-1]
+        result.append(z)
+    return np.array(result)
 
 
 def forces_along(own, x, duration=1e3):

@@ -295,7 +295,7 @@ def test_an_inertia_below_zero_is_said_before_there_is_no_friction():
     assert first == "Check units, gains and signs first"
     assert second.startswith("The balance gives J = −1 kg m², which cannot be")
     assert "If they are right, no friction stands above the noise" in verdict.sentence
-    assert verdict.words.lede.startswith("If they are right: from ")
+    assert verdict.words.lede.startswith("If units, gains and signs are right: from ")
 
 
 def test_what_has_no_effect_is_refused():

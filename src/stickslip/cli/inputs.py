@@ -527,10 +527,10 @@ def measured(
 
     Options for files add to what the rig says of its own. `law` returns the law of a kind.
     """
-    said, validate = options.settings, options.validate
+    settings, validate = options.settings, options.validate
     data, route, reading = options.data, options.route, terminal.reading_of(options)
-    if said.get("hold") not in (None, "zero", "first"):
-        raise InputError(f"--hold must be zero or first, got {said['hold']!r}.")
+    if settings.get("hold") not in (None, "zero", "first"):
+        raise InputError(f"--hold must be zero or first, got {settings['hold']!r}.")
     own = rig.reading.with_changes(reading)
     measurement, second = rig.measurement, rig.validate
     if data:
@@ -555,7 +555,7 @@ def measured(
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
     varied, held = _parameters(rig, options.vary, options.fixed, owner)
-    numerics = fits.RecordSettings(**{"hold": rig.hold, **said})
+    numerics = fits.RecordSettings(**{"hold": rig.hold, **settings})
     request = Request(
         mechanism=rig.mechanism,
         measurement=measurement,
@@ -568,7 +568,7 @@ def measured(
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     ).only(kind.uses)
-    given = {"route": route, **said, "validate": validate}
+    given = {"route": route, **settings, "validate": validate}
     typed = {
         name: f"--{name.replace('_', '-')}" for name, item in given.items() if item is not None
     }

@@ -131,10 +131,6 @@ def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
     return said
 
 
-IF_RIGHT = "If they are right"
-"""How a statement begins that holds only if units, gains and signs are right."""
-
-
 def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) -> str:
     """Return which law to use, and how close it is, after what is `wrong` with the mechanism."""
     named = judgement.named
@@ -143,7 +139,7 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     if wrong and (nothing or judgement.is_told):
         law = f"{phrase}{beside} stays within {distance_text(judgement, named, words)}"
         law = "no friction stands above the noise" if nothing else law
-        return f"Check units, gains and signs first. {wrong[0]} {IF_RIGHT}, {law}."
+        return f"Check units, gains and signs first. {wrong[0]} If they are right, {law}."
     if nothing:
         return f"No friction stands above the noise of the {words.measured}."
     if not judgement.is_told:
@@ -409,7 +405,7 @@ def ladder_verdict(
     mistakes = [item.sentence for item in judgement.findings if item.asserted and item.is_mistake]
     wrong = [*unphysical, *mistakes]
     if wrong and lede:
-        lede = f"{IF_RIGHT}: {in_sentence(lede)}"
+        lede = f"If units, gains and signs are right: {in_sentence(lede)}"
     left = first.left / judgement.problem.size
     settles = [
         f"The law leaves {quantity(first.left, words.force_unit, 2)} of the {words.measured}"

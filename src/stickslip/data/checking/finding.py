@@ -116,9 +116,9 @@ def grouped(findings: Iterable[Finding]) -> list[Finding]:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> one = Finding(kind="constant", sentence="Position is constant.", record="run1")
-    >>> others = [replace(one, record=name) for name in ("run2", "")]
-    >>> [str(finding) for finding in grouped([one, *others])]
+    >>> still = Finding(kind="constant", sentence="Position is constant.", record="run1")
+    >>> others = [replace(still, record=name) for name in ("run2", "")]
+    >>> [str(finding) for finding in grouped([still, *others])]
     ['run1 and run2: Position is constant.', 'Position is constant.']
     """
     groups: dict[tuple[str, bool], dict[str, Finding]] = {}
@@ -126,6 +126,6 @@ def grouped(findings: Iterable[Finding]) -> list[Finding]:
         groups.setdefault((finding.sentence, bool(finding.record)), {})[finding.record] = finding
     names = {name for group in groups.values() for name in group} - {""}
     return [
-        replace(first, record="all trials" if 2 < len(own) == len(names) else joined(own, LISTED))
-        for own, first in (([*group], next(iter(group.values()))) for group in groups.values())
+        replace(first, record="all trials" if 2 < len(has) == len(names) else joined(has, LISTED))
+        for has, first in (([*group], next(iter(group.values()))) for group in groups.values())
     ]

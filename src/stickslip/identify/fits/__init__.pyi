@@ -77,6 +77,7 @@ from stickslip.identify.fits.travel_model import Trial as Trial
 from stickslip.identify.fits.travel_model import driven_on as driven_on
 from stickslip.identify.fits.travel_model import durations as durations
 from stickslip.identify.fits.travel_model import is_rig as is_rig
+from stickslip.identify.fits.travel_model import last_digit as last_digit
 from stickslip.identify.fits.travel_model import quantities_read as quantities_read
 from stickslip.identify.fits.travel_model import standard_errors as standard_errors
 from stickslip.identify.fits.travel_model import trials_of as trials_of

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import TypeAlias
@@ -232,14 +232,20 @@ def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
             widths[i] *= math.sqrt(settings[t.setting])
     if np.any(widths > 0.0):
         return np.maximum(np.where(widths > 0.0, widths, widths.max()), 1e-3 * least), True
-    digit = min(trial.scale * _last_digit(trial.travel / trial.scale) for trial in trials)
+    digit = min(trial.scale * last_digit([trial.travel / trial.scale]) for trial in trials)
     return np.full(len(trials), max(min(digit, 0.01) / math.sqrt(12.0), least)), False
 
 
-def _last_digit(reading: float) -> float:
-    """Return the unit of the last digit that is written down."""
-    exponent = Decimal(f"{reading:.12g}").normalize().as_tuple().exponent
-    return 10.0 ** int(exponent)
+def last_digit(readings: Iterable[float]) -> float:
+    """Return the unit of the last digit that is written down of readings.
+
+    Examples
+    --------
+    >>> last_digit([0.25, 1.3, 12.0]), last_digit([300.0, 20.0, 0.0])
+    (0.01, 10.0)
+    """
+    written = [Decimal(f"{reading:.12g}").normalize().as_tuple() for reading in readings if reading]
+    return 10.0 ** min((int(number.exponent) for number in written), default=0)
 
 
 def under_cycles(trials: Sequence[Trial]) -> bool:

@@ -127,22 +127,6 @@ def limits_of(table: Readings) -> Iterator[Limit]:
             yield Limit(value=value, rows=rows, least=float(others.min()))
 
 
-def resolution_of(values: Array) -> float:
-    """Return the least power of ten by which all values can be divided.
-
-    Examples
-    --------
-    >>> resolution_of(np.array([0.25, 1.3, 12.0])), resolution_of(np.array([300.0, 20.0]))
-    (0.01, 10.0)
-    """
-    largest = math.floor(math.log10(float(np.max(np.abs(values))) or 1.0))
-    for power in range(largest, largest - 15, -1):
-        part = values / 10.0**power
-        if np.all(np.abs(part - np.round(part)) < 1e-6 * np.maximum(1.0, np.abs(part))):
-            return float(10.0**power)
-    return float(10.0 ** (largest - 15))
-
-
 def without_site(middle: Array, variance: Array, value: Array, error: Array) -> tuple[Array, Array]:
     """Return mean and variance (k,) of friction without a reading of its own of some variance.
 

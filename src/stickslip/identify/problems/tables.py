@@ -17,6 +17,7 @@ from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
     check_loads,
     inputs_along,
+    last_digit,
     load_along,
     load_of,
     refuse_load,
@@ -45,7 +46,6 @@ from stickslip.identify.problems.records import LOAD
 from stickslip.identify.problems.sensor_limits import (
     Limit,
     limits_of,
-    resolution_of,
     without_site,
 )
 from stickslip.identify.problems.table_model import (
@@ -220,7 +220,7 @@ class TableProblem(Problem):
         draws = self.posterior.draws(DRAWS, seed=2)
         likely = limit.probability(
             fit.posterior.evidence, self.posterior.evidence, self.readings(rows, draws),
-            self.size, self.model.sigma(self.posterior.best), resolution_of(table.friction),
+            self.size, self.model.sigma(self.posterior.best), last_digit(table.friction),
         )  # fmt: skip
         count, end = len(limit.rows), quantity(limit.end, unit, 3)
         sentence = (

@@ -187,7 +187,7 @@ def presliding_loop(
     for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
         x.append(np.linspace(start, end, POINTS + 1)[1:])
         v = LOOP_SPEED if end > start else -LOOP_SPEED
-        states = _moved_at(law, v, z, load, np.abs(x[-1] - start) / LOOP_SPEED, latches)
+        states = moved_at(law, v, z, load, np.abs(x[-1] - start) / LOOP_SPEED, latches)
         friction.append(
             np.array([law.force(v, load, tuple(map(float, state))) for state in states])
         )
@@ -195,7 +195,7 @@ def presliding_loop(
     return PreslidingLoop(displacement=np.concatenate(x), friction=np.concatenate(friction))
 
 
-def _moved_at(
+def moved_at(
     law: FrictionLaw, v: float, z: Array, load: float, times: Array, latches: Latches
 ) -> Array:
     """Return the states (n, states) at increasing times of a motion at a constant slip velocity."""
