@@ -42,6 +42,7 @@ from stickslip.data.readers.layout import (
     doubted_parts,
     headed,
     is_content,
+    is_decimal,
     is_head,
     is_number,
     is_row,
@@ -856,6 +857,8 @@ _GROUPED: Final = re.compile(
     re.VERBOSE,
 )
 """A number whose thousands are separated by a mark; 1,592 alone may be one with decimals."""
+NO_MARK: Final = "\x1f"
+"""Decimal mark for numbers of which none is known: it stands in no text."""
 _LONE: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 """A number with one mark, which may be decimal or part thousands."""
 
@@ -893,8 +896,8 @@ def _text_in(path: Path, data: bytes, layout: Layout) -> str:
         ) from None
 
 
-def _layout(path: Path, text: str, encoding: str) -> tuple[Layout, bool]:
-    """Return how a text holds its table, and whether a mark may be decimal or part thousands.
+def _layout(path: Path, text: str, encoding: str) -> tuple[Layout, str]:
+    """Return how a text holds its table, and the marks that may be decimal or part thousands.
 
     Numbers with such a mark stay text, which is refused where it is read.
     """
@@ -935,8 +938,12 @@ def _layout(path: Path, text: str, encoding: str) -> tuple[Layout, bool]:
         )
     _check_single_table(path, lines, layout)
     if not assumed:
-        return layout, False
-    return replace(layout, decimal=layout.decimal if layout.thousands else ".", thousands=""), True
+        return layout, ""
+    if not layout.thousands:
+        return replace(layout, decimal="."), ","
+    # 1,592 beside 1.592: either mark may be the decimal one
+    both = not is_decimal(layout.decimal, text, layout.separator)
+    return replace(layout, thousands=""), ".," if both else layout.thousands
 
 
 def _check_head(path: Path, lines: Sequence[str], text: Text) -> None:
@@ -981,11 +988,11 @@ def _check_single_table(path: Path, lines: Sequence[str], layout: Layout) -> Non
 
 
 def read_as(
-    path: Path, text: str, data: bytes, layout: Layout, *, doubted: bool = False
+    path: Path, text: str, data: bytes, layout: Layout, *, doubted: str = ""
 ) -> tables.FileTable:
     """Return the table of a text, and the bytes of that, which holds it in a known way.
 
-    Texts are numbers that may have thousands where it is `doubted`.
+    Numbers stay text that have a mark of which it is `doubted` what it parts.
     """
     lines = upper_lines(text, layout.preface)
     if len(lines) < 1 + layout.units_row:
@@ -1026,7 +1033,7 @@ def _parsed(
     sample: Sequence[str],
     layout: Layout,
     *,
-    doubted: bool,
+    doubted: str,
 ) -> tables.FileTable:
     """Return the table below a header."""
     check_columns(str(path), len(names))
@@ -1049,7 +1056,7 @@ def _parsed(
             table = pd.read_csv(
                 io.BytesIO(data),
                 sep=r"\s+" if layout.separator == " " else layout.separator,
-                decimal=layout.decimal,
+                decimal=NO_MARK if layout.decimal in doubted else layout.decimal,
                 thousands=layout.thousands or None,
                 names=own,
                 header=None,
@@ -1083,7 +1090,7 @@ def _parsed(
             f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
             " it: the last row is left out."
         )
-    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost), doubted=doubted)
+    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost), doubted=bool(doubted))
 
 
 def _with_points(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:

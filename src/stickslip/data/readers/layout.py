@@ -385,7 +385,7 @@ DOUBTED: Final = re.compile(
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
 """A whole number with a mark between thousands, to be put in."""
-_DECIMAL: Final = r"(?<![\d.,])(?:0\{0}\d+|\d+\{0}(?:\d{{1,2}}|\d{{4,}}))(?![\d.,])"
+_DECIMAL: Final = r"(?:0\{0}\d+|\d+\{0}(?:\d{{1,2}}|\d{{4,}}))"
 """Numbers in which a mark is a decimal one."""
 _LONE: Final = re.compile(r"(?![+-]?[1-9]\d{0,2},\d{3}$)[^.,]*,[^.,]*")
 """A number with a comma that does not part thousands."""
@@ -810,9 +810,22 @@ def marks_of(
     sure = mark not in (".", ",") or not all(
         re.fullmatch(_GROUPS.format(mark), cell) and cell.count(mark) == 1 for cell in grouped
     )
-    # a number further down may show it: no mark parts thousands in 0,900
-    sure = sure or (mark == decimal != separator and bool(re.search(_DECIMAL.format(mark), text)))
+    sure = sure or (mark == decimal and is_decimal(mark, text, separator))
     return decimal, thousands, "" if sure else next(iter(grouped), "")
+
+
+def is_decimal(mark: str, text: str, separator: str) -> bool:
+    r"""Whether a number anywhere in a text shows a mark to be decimal, as no 0,900 has thousands.
+
+    Examples
+    --------
+    >>> is_decimal(",", "t;x\n0;1,592\n1;0,900\n", ";"), is_decimal(",", "t;x\n0;1,592\n", ";")
+    (True, False)
+    """
+    number = _DECIMAL.format(mark)
+    marks = ".,".replace(separator, "")
+    alone = f'"{number}"' if mark == separator else rf"(?<![\d{marks}]){number}(?![\d{marks}])"
+    return re.search(alone, text) is not None
 
 
 def _marks(
