@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, Viscous, fit
+from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SpringBlock, Viscous, fit
 from stickslip.errors import InputError, UnknownNameError
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -50,3 +50,13 @@ def test_a_name_that_the_law_does_not_have_is_refused():
 def test_all_of_a_law_fixed_leaves_nothing_to_fit():
     with pytest.raises(InputError, match="there is nothing to fit"):
         fit(BLOCK, Viscous, READING, fixed={"viscous_coefficient": 1.0})
+
+
+def test_an_offset_held_where_it_is_not_names_the_levels_that_take_its_place():
+    time = np.linspace(0.0, 4.0, 401)
+    velocity = np.cos(4.4 * time)
+    noise = np.random.default_rng(0).normal(0.0, 0.05, time.size)
+    force = 2.0 * np.sign(velocity) + 0.5 + np.gradient(velocity, time) + noise
+    record = Measurement(time=time, position=np.sin(4.4 * time) / 4.4, force=force)
+    with pytest.raises(InputError, match=r"Let the offset be found .* or fit 'both_ways\[levels\]"):
+        fit(Axis(inertia=1.0), Coulomb, record, fixed={"offset": 0.1})

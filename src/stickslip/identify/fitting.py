@@ -67,9 +67,19 @@ def fitted_law(
     verdict = select([own])
     result = _as(verdict, kind, {})
     if result is None:
-        reason = in_sentence(verdict.words.verdict).rstrip(".")
-        raise NoLawError(f"{kind.title} friction has no values here: {reason}.")
+        raise NoLawError(f"{kind.title} friction has no values here: {_why_none(verdict, kind)}.")
     return _said(result, verdict)
+
+
+def _why_none(verdict: BandVerdict, kind: type[FrictionLaw]) -> str:
+    """Return why a verdict has no values of the law that was to be fitted."""
+    fit = _named(verdict)
+    if fit is None or kind.directional or not fit.law.directional:
+        return in_sentence(verdict.words.verdict).rstrip(".")
+    return (
+        "beside the constant force as it is held, the levels of the two directions differ. Let the"
+        f" offset be found instead of holding it, or fit {type(fit.law).name!r}"
+    )
 
 
 def _said(fit: LawFit, verdict: BandVerdict) -> LawFit:
@@ -121,11 +131,15 @@ def names_to_find(
     return tuple(name for name in dict.fromkeys(result) if name not in known)
 
 
+def _named(verdict: BandVerdict) -> LawFit | None:
+    """Return the fit of the law that a verdict names, if it has one."""
+    fits = (candidate.fit for candidate in verdict.candidates if candidate.outcome == "named")
+    return next(fits, None)
+
+
 def _as(verdict: BandVerdict, kind: type[FrictionLaw], held: Mapping[str, float]) -> LawFit | None:
     """Return the fit of a verdict as a law of some type; None if it is no such law."""
-    fit = next(
-        (candidate.fit for candidate in verdict.candidates if candidate.outcome == "named"), None
-    )
+    fit = _named(verdict)
     if fit is None:
         return None
     names = fields_of(kind)

@@ -1090,7 +1090,9 @@ def _parsed(
             f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
             " it: the last row is left out."
         )
-    return tables.FileTable(data=table, first_row=above + 1, lost=tuple(lost), doubted=bool(doubted))
+    return tables.FileTable(
+        data=table, first_row=above + 1, lost=tuple(lost), doubted=bool(doubted)
+    )
 
 
 def _with_points(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:

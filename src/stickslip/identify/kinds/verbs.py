@@ -112,9 +112,9 @@ def fit(
         beside a law that is held.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
-    route : {"table", "balance", "features", "rate-state"}
-        How the measurement is fitted, or a route of another package. If not given, it follows from
-        the quantities measured.
+    route : str, optional
+        How the measurement is fitted, as `RouteName` lists: a route of `select`. If not given, it
+        follows from the quantities measured.
     settings : RecordSettings, optional
         How the force of a record runs between samples; features use the seed and velocity steps
         the starts and the seed. What is changed there without effect is refused.
@@ -215,9 +215,9 @@ def select(
     assumed : mapping of str to sequence of str, optional
         By name of the law, parameters whose values were assumed, not measured, such as those of
         `Rig.assumed`: for travels, they are fitted where no law explains the readings without.
-    route : {"balance", "table", "features", "rate-state"}, optional
-        How the measurement is judged, or a route of another package. If not given, it follows from
-        the quantities measured.
+    route : str, optional
+        How the measurement is judged, as `RouteName` lists, or a route of another package. If not
+        given, it follows from the quantities measured.
     validate : Measurement, optional
         A second record, which no fit sees; what it says of the verdict is reported.
     settings : RecordSettings, optional
