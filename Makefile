@@ -28,7 +28,7 @@ unit docs slow bench: export STICKSLIP_BACKGROUND ?= 0
 unit docs slow: export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help select test stubs lint types architecture unit docs bench golden slow lowest newest package fuzz format clean
+.PHONY: help select test stubs lint types architecture unit docs bench slow lowest newest package fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -74,9 +74,6 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
-
-golden: $(DEV) ## compare what rigs and data sets give with tests/golden (minutes)
-	$(BIN)/python -m benchmarks.golden compare tests/golden --jobs $(WORKERS)
 
 slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones
 	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis'

@@ -17,8 +17,8 @@ to the last digit on one machine; another processor rounds otherwise, and search
 record on the commit before a change, or compare with ``--rtol 1e-6``, which takes lines for equal
 whose numbers differ by less.
 
-``make golden`` compares with ``tests/golden``. Records come from the folder that
-``STICKSLIP_DATA`` names.
+Golden files are recorded on the commit before a change and are not kept. Records come from the
+folder that ``STICKSLIP_DATA`` names.
 """
 
 import argparse
