@@ -174,18 +174,15 @@ def _arrow(shape: scenes.Arrow, brush: _Brush) -> list[Artist]:
     if abs(length) < SHORTEST_ARROW * brush.pixel:
         return []
     (x, y), (dx, dy) = shape.at, shape.along
-    return [
-        FancyArrowPatch(
-            (x, y),
-            (x + length * dx, y + length * dy),
-            arrowstyle="-|>",
-            mutation_scale=10,
-            shrinkA=0,
-            shrinkB=0,
-            color=ROLE_COLOURS[shape.role],
-            linewidth=2.0,
-        )
-    ]
+    return [_pointing((x, y), (x + length * dx, y + length * dy), shape.role)]
+
+
+def _pointing(start: scenes.Point, end: scenes.Point, role: scenes.Role) -> FancyArrowPatch:
+    """Return an arrow from one point to another."""
+    return FancyArrowPatch(
+        start, end, arrowstyle="-|>", mutation_scale=10, shrinkA=0, shrinkB=0,
+        color=ROLE_COLOURS[role], linewidth=2.0,
+    )  # fmt: skip
 
 
 def _turn(shape: scenes.Turn, brush: _Brush) -> list[Artist]:
@@ -198,16 +195,8 @@ def _turn(shape: scenes.Turn, brush: _Brush) -> list[Artist]:
     tip = math.radians(90.0 + sweep)
     ahead = tip + math.copysign(0.05, sweep)
     x, y = shape.centre
-    head = FancyArrowPatch(
-        (x + r * math.cos(tip), y + r * math.sin(tip)),
-        (x + r * math.cos(ahead), y + r * math.sin(ahead)),
-        arrowstyle="-|>",
-        mutation_scale=10,
-        shrinkA=0,
-        shrinkB=0,
-        color=colour,
-    )
-    return [arc, head]
+    tail, point = ((x + r * math.cos(at), y + r * math.sin(at)) for at in (tip, ahead))
+    return [arc, _pointing(tail, point, shape.role)]
 
 
 def _word(shape: scenes.Word, _brush: _Brush) -> list[Artist]:

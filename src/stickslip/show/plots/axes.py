@@ -42,6 +42,25 @@ NARROW_BELOW: Final = 500
 """Width of axes [CSS px] below which curves are named inside them."""
 
 
+def name_panel(
+    axes: Axes, x: str = "", y: str = "", room: tuple[float | None, float | None] = (None, None)
+) -> None:
+    """Name what a panel shows, rule it, and leave some shares of its width and height free."""
+    axes.margins(x=room[0], y=room[1])
+    if x:
+        axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.grid(axis="y")
+
+
+def legend_above(axes: Axes, columns: int, *, small: bool = False) -> None:
+    """Say above a panel what its colours mean."""
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, frameon=False,
+        fontsize="small" if small else "medium",
+    )  # fmt: skip
+
+
 def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     """Draw on given axes, into a given figure, or into a new figure of pyplot.
 

@@ -21,7 +21,7 @@ from stickslip.quantities import vary
 from stickslip.show.formatting import scale_of, unit_text
 from stickslip.show.plots import scenes, theme
 from stickslip.show.plots.animations import artists_of
-from stickslip.show.plots.axes import Array, Panels, PanelTarget, Sizes, on_panels
+from stickslip.show.plots.axes import Array, Panels, PanelTarget, Sizes, name_panel, on_panels
 from stickslip.show.plots.laws import characteristic
 from stickslip.show.plots.svg import Draw, Size, inline_svg
 
@@ -167,9 +167,7 @@ def _overlay(axes: Axes, measurement: data.Measurement, name: str) -> None:
             )
             axes.plot(time, values, color=_colour(place, records), linewidth=1.0)
     quantity, _, joint = name.partition(".")
-    axes.set_ylabel((f"{joint}\n" if joint else "") + _label(quantity, unit))
-    axes.margins(x=0, y=0.08)
-    axes.grid(axis="y")
+    name_panel(axes, y=(f"{joint}\n" if joint else "") + _label(quantity, unit), room=(0, 0.08))
 
 
 def _has(record: data.Measurement, name: str) -> bool:
@@ -185,9 +183,11 @@ def _map(axes: Axes, measurement: data.Measurement) -> None:
         axes.plot(v, f, ".", color=_colour(place, records), markersize=4.0, label=label)
     if 1 < len(records) <= MOST_NAMED:
         axes.legend(frameon=False)
-    axes.set_xlabel(_label("velocity", measurement.unit("velocity")))
-    axes.set_ylabel(_label("friction", measurement.unit("friction")))
-    axes.grid(axis="y")
+    name_panel(
+        axes,
+        x=_label("velocity", measurement.unit("velocity")),
+        y=_label("friction", measurement.unit("friction")),
+    )
 
 
 def _travels(axes: Axes, measurement: data.Measurement) -> None:
@@ -211,10 +211,7 @@ def _travels(axes: Axes, measurement: data.Measurement) -> None:
         range(1, len(records) + 1), [trial.name or f"{n}" for n, trial in enumerate(records, 1)]
     )
     axes.set_xlim(0.4, len(records) + 0.6)
-    axes.set_xlabel("trial")
-    axes.set_ylabel(_label(name, unit))
-    axes.margins(y=0.15)
-    axes.grid(axis="y")
+    name_panel(axes, x="trial", y=_label(name, unit), room=(None, 0.15))
 
 
 def _sampled(record: data.Measurement, name: str) -> bool:
@@ -256,9 +253,7 @@ def _series(axes: Axes, record: data.Measurement, name: str) -> None:
     steps = np.diff(time)
     late = np.flatnonzero(steps > data.GAP * data.interval_of(time))
     theme.shade(axes, [(time[i], time[i + 1]) for i in late[:200]], colour=theme.STICK)
-    axes.set_ylabel(_label(name, unit))
-    axes.margins(x=0, y=0.08)
-    axes.grid(axis="y")
+    name_panel(axes, y=_label(name, unit), room=(0, 0.08))
 
 
 def _envelope(time: Array, values: Array) -> tuple[Array, Array]:
@@ -286,10 +281,7 @@ def _histogram(axes: Axes, velocity: Array, speeds: str) -> None:
     counts, edges = np.histogram(factor * velocity, bins=SPEEDS, range=(low, high))
     axes.stairs(100 * counts / velocity.size, edges, fill=True, color=theme.SLIP_BACK)
     axes.stairs(100 * counts / velocity.size, edges, color=theme.DATA, linewidth=1.0)
-    axes.set_xlabel(f"velocity, {unit}")
-    axes.set_ylabel("samples, %")
-    axes.margins(x=0)
-    axes.grid(axis="y")
+    name_panel(axes, x=f"velocity, {unit}", y="samples, %", room=(0, None))
 
 
 def _density(axes: Axes, moved: tuple[Array, str], record: data.Measurement, name: str) -> None:

@@ -27,10 +27,12 @@ from stickslip.show.plots.axes import (
     horizon,
     label_curves,
     label_ends,
+    legend_above,
     looks,
     motion_names,
     name_events,
     name_modes,
+    name_panel,
     on_axes,
     on_panels,
     raster,
@@ -106,16 +108,9 @@ def draw_states(run: Trajectory, *, band: Band | None = None) -> Draw:
                 if few:
                     axes.plot(times, factor * at[name], "o", color=colour, markersize=3.5, zorder=4)
             what = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
-            axes.set_ylabel(f"{what}, {unit}")
-            axes.margins(x=0, y=0.1)
-            axes.grid(axis="y")
+            name_panel(axes, y=f"{what}, {unit}", room=(0, 0.1))
             if few and len(names) > 1:
-                axes.legend(
-                    loc="lower left",
-                    bbox_to_anchor=(0.0, 1.0),
-                    ncols=2 if narrow else len(names),
-                    frameon=False,
-                )
+                legend_above(axes, 2 if narrow else len(names))
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
 
@@ -156,13 +151,7 @@ def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
         meanings["open"] = theme.SURFACE
     for label, colour in meanings.items():
         axes.plot([], [], "s", color=colour, markeredgecolor=theme.MUTED, label=label)
-    axes.legend(
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=2 if narrow else len(meanings),
-        frameon=False,
-        fontsize="small" if narrow else "medium",
-    )
+    legend_above(axes, 2 if narrow else len(meanings), small=narrow)
 
 
 # Figures of one run, and of several over each other.
@@ -270,10 +259,7 @@ def draw_friction_velocity(
             color=theme.C1,
             linewidth=2.0,
         )
-        axes.margins(0.08, 0.18)
-        axes.set_xlabel(f"velocity, {unit}")
-        axes.set_ylabel(f"friction, {unit_of_force}")
-        axes.grid(axis="y")
+        name_panel(axes, x=f"velocity, {unit}", y=f"friction, {unit_of_force}", room=(0.08, 0.18))
         axes.plot(
             v[:1],
             force[:1],
@@ -342,10 +328,7 @@ def draw_runs(
             y = factor * run[column]
             axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
             ends[name] = factor * runs[name].at(times)[column]
-        axes.margins(x=0, y=0.1)
-        axes.set_xlabel("time, s")
-        axes.set_ylabel(f"{title}, {unit}")
-        axes.grid(axis="y")
+        name_panel(axes, x="time, s", y=f"{title}, {unit}", room=(0, 0.1))
         groups = grouped(ends, 0.02 * float(np.ptp(axes.get_ylim())))
         if narrow:
             texts = {names[0]: ", ".join(names) for _, names in groups}
@@ -576,10 +559,7 @@ def draw_motion(
             axes.axhline(factor * level, color=theme.MUTED, linewidth=1.0, linestyle=(0, (5, 4)))
             ends = np.array(axes.dataLim.intervalx)
             curves.append(Curve(ends, np.full(2, factor * level), name, theme.MUTED))
-        axes.margins(x=0, y=0.1)
-        axes.set_xlabel("time, s")
-        axes.set_ylabel(f"{view.title}, {unit}")
-        axes.grid(axis="y")
+        name_panel(axes, x="time, s", y=f"{view.title}, {unit}", room=(0, 0.1))
         if np.min(everything) < 0.0 or view.column != views[0].column:
             axes.axhline(0.0, color=theme.MUTED, linewidth=0.8, zorder=0)
         return curves

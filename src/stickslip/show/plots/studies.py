@@ -129,10 +129,7 @@ def draw_band(band: Band, state: str) -> Draw:
         axes = figure.add_subplot()
         axes.fill_between(band.t, low, high, color=C1, alpha=0.22, linewidth=0)
         axes.plot(band.t, median, color=C1)
-        axes.margins(x=0, y=0.1)
-        axes.grid(axis="y")
-        axes.set_xlabel("time, s")
-        axes.set_ylabel(f"{state}, {unit}")
+        drawing.name_panel(axes, x="time, s", y=f"{state}, {unit}", room=(0, 0.1))
 
     return draw
 
@@ -236,9 +233,7 @@ def draw_excitations(
                 "dot: block at rest", (0.98, 0.06), xycoords="axes fraction",
                 ha="right", color=MUTED, fontsize=name_size(),
             )  # fmt: skip
-        axes.set_xlabel("time, s")
-        axes.set_ylabel("travel, m")
-        axes.grid(axis="y")
+        drawing.name_panel(axes, x="time, s", y="travel, m")
         if narrow:
             drawing.label_curves(axes, curves)
         else:

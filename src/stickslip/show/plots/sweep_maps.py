@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from stickslip.errors import InputError
 from stickslip.show.formatting import percent, scale_of
-from stickslip.show.plots.axes import LETTER, Target, labelled, on_axes
+from stickslip.show.plots.axes import LETTER, Target, labelled, legend_above, name_panel, on_axes
 from stickslip.show.plots.svg import Draw
 from stickslip.show.plots.theme import (
     C1,
@@ -140,9 +140,7 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
             markerfacecolor=SURFACE, zorder=3, label="not closed, not chaotic",
         )  # fmt: skip
     _mark_early_ends(axes, values, result.status)
-    axes.set_xlabel(labelled(path, result.units[path]))
-    axes.set_ylabel(label)
-    axes.grid(axis="y")
+    name_panel(axes, x=labelled(path, result.units[path]), y=label)
 
 
 def draw_velocity_band(
@@ -178,17 +176,13 @@ def draw_velocity_band(
                 label="measured",
             )
         axes.axhline(0.0, color=MUTED, linewidth=0.8)
-        axes.margins(x=0.01, y=0.08)
-        axes.set_xlabel(labelled(result.path, result.unit))
-        axes.set_ylabel(f"mean velocity, {unit}")
-        axes.grid(axis="y")
-        axes.legend(
-            loc="lower left",
-            bbox_to_anchor=(0.0, 1.0),
-            frameon=False,
-            ncols=1 if narrow else 3,
-            fontsize="small",
+        name_panel(
+            axes,
+            x=labelled(result.path, result.unit),
+            y=f"mean velocity, {unit}",
+            room=(0.01, 0.08),
         )
+        legend_above(axes, 1 if narrow else 3, small=True)
         if not np.isfinite(result.velocities).all():
             _mark_early_ends(axes, result.values, result.status.T)
 
