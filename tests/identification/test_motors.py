@@ -258,7 +258,7 @@ def sampled():
 def test_the_voltage_of_a_loop_follows_from_the_recorded_goal_and_position(sampled):
     run, record = sampled
     assert np.abs(run.commands).max() == pytest.approx(0.9 * SUPPLY, rel=1e-3)
-    told = with_voltage(FIRMWARE, record, "zero").values("voltage")
+    told = with_voltage(FIRMWARE, record).values("voltage")
     # at a sample the command of the one before acts still, 2 ms long
     np.testing.assert_allclose(told, [0.0, *run.commands[:-1]], rtol=1e-12)
 

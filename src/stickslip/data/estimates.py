@@ -213,15 +213,13 @@ class LawEstimates:
         def short(names: Iterable[str]) -> tuple[str, ...]:
             return tuple(name.removeprefix(prefix) for name in own(names))
 
-        # Rows and columns of the others are left out: the marginal distribution of a normal one.
-        rows = [self.covariance_of.index(name) for name in own(self.covariance_of)]
         speed = self.largest_speed
         return dataclasses.replace(
             self,
             law=self.law[contact],
             intervals=table(self.intervals),
             covariance_of=short(self.covariance_of),
-            covariance=tuple(tuple(self.covariance[i][j] for j in rows) for i in rows),
+            covariance=self._covariance_among(own(self.covariance_of)),
             not_identified=table(self.not_identified),
             not_fitted=short(self.not_fitted),
             overridden=short(self.overridden),
@@ -230,6 +228,11 @@ class LawEstimates:
             else ("torques" if rotary else "forces"),
             largest_speed=speed.get(contact) if isinstance(speed, Mapping) else speed,
         )
+
+    def _covariance_among(self, names: Iterable[str]) -> tuple[tuple[float, ...], ...]:
+        """Return the covariance of some parameters: that of the marginal distribution."""
+        rows = [self.covariance_of.index(name) for name in names]
+        return tuple(tuple(self.covariance[i][j] for j in rows) for i in rows)
 
     def _check_covariance(self) -> None:
         names = self.covariance_of
@@ -324,15 +327,15 @@ class LawEstimates:
         mine = [name for name in names if name in self.intervals or name in self.not_identified]
         if not mine:
             return self
-        kept = [i for i, name in enumerate(self.covariance_of) if name not in mine]
+        kept = tuple(name for name in self.covariance_of if name not in mine)
         return dataclasses.replace(
             self,
             intervals={k: v for k, v in self.intervals.items() if k not in mine},
             not_identified={k: v for k, v in self.not_identified.items() if k not in mine},
             not_fitted=(*self.not_fitted, *mine),
             overridden=(*self.overridden, *mine),
-            covariance_of=tuple(self.covariance_of[i] for i in kept),
-            covariance=tuple(tuple(self.covariance[i][j] for j in kept) for i in kept),
+            covariance_of=kept,
+            covariance=self._covariance_among(kept),
         )
 
     def stating(

@@ -6,7 +6,7 @@ that record, and is driven by what was recorded.
 
 import html
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -692,7 +692,7 @@ def loop_samples(
     )
 
 
-def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str) -> Measurement:
+def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement) -> Measurement:
     """Return a record with the voltage that a loop which samples made of what it measured.
 
     Examples
@@ -702,11 +702,11 @@ def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str
     >>> loop = SampledLoop(gain=10.0, period=0.1)
     >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5, loop=loop))
     >>> record = Measurement(time=[0, 0.1, 0.2], position=[0, 0.1, 0.2], reference=[0.3] * 3)
-    >>> with_voltage(servo, record, "zero").values("voltage").round(9).tolist()
+    >>> with_voltage(servo, record).values("voltage").round(9).tolist()
     [3.0, 2.0, 1.0]
     """
     set_up = as_recorded(mechanism, record)
-    seen = loop_samples(set_up, record, hold)
+    seen = loop_samples(set_up, record, "zero")
     if seen is None:
         return record
     motor: Any = mechanisms.motor_of(set_up)
@@ -1115,14 +1115,19 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
     return []
 
 
+def _values(law: FrictionLaw, turning: bool, wanted: Callable[[Quantity], bool]) -> list[str]:
+    """Return the wanted parameters of a law that are not 0, with their values, in words."""
+    return [
+        f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
+        for _, known_quantity, value in parameters(law, "friction")
+        if wanted(known_quantity) and value
+    ]
+
+
 def _about_viscosity(
     law: FrictionLaw, known: estimates.LawEstimates | None, turning: bool
 ) -> list[str]:
-    result = [
-        f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
-        for path, known_quantity, value in parameters(law, "friction")
-        if known_quantity.unit.startswith("N") and value
-    ]
+    result = _values(law, turning, lambda known_quantity: known_quantity.unit.startswith("N"))
     if not result:
         return []
     speed = known.largest_speed if known is not None else None
@@ -1137,11 +1142,7 @@ def _about_viscosity(
 
 
 def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
-    result = [
-        f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
-        for _, known_quantity, value in parameters(law, "friction")
-        if _is_of_bristles(known_quantity) and value
-    ]
+    result = _values(law, turning, _is_of_bristles)
     if not result:
         return []
     are = "is" if len(result) == 1 else "are"

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias, cast
 
@@ -178,19 +178,25 @@ def _multiplied(
     measurement: Measurement, name: str, signals: Sequence[str], factor: float
 ) -> Measurement:
     """Return records in which some signals of a joint are multiplied by a factor."""
-    records = []
-    for record in measurement.records():
-        own = record.joints[name]
-        known = {
-            signal: factor * getattr(own, signal)
-            for signal in signals
-            if signal in own.quantities()
-        }
-        offset = {
-            item: factor * size if item in known else size for item, size in own.offset.items()
-        }
-        joints = {**record.joints, name: replace(own, **known, offset=offset)}
-        records.append(replace(record, joints=joints))
+
+    def changed(joints: Mapping[str, Measurement]) -> dict[str, Measurement]:
+        own = joints[name]
+        known = {s: factor * getattr(own, s) for s in signals if s in own.quantities()}
+        offset = {s: factor * size if s in known else size for s, size in own.offset.items()}
+        return {name: replace(own, **known, offset=offset)}
+
+    return _with_joints(measurement, changed)
+
+
+def _with_joints(
+    measurement: Measurement,
+    changed: Callable[[Mapping[str, Measurement]], Mapping[str, Measurement]],
+) -> Measurement:
+    """Return records with some of their joints in the place of those they have."""
+    records = [
+        replace(record, joints={**record.joints, **changed(record.joints)})
+        for record in measurement.records()
+    ]
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 
 
@@ -198,14 +204,15 @@ def _with_exchanged(
     measurement: Measurement, one: str, other: str, names: Sequence[str]
 ) -> Measurement:
     """Return records in which two joints have each other's signals of some names."""
-    records = []
-    for record in measurement.records():
-        joints = dict(record.joints)
-        for a, b in ((one, other), (other, one)):
-            own, from_ = record.joints[a], record.joints[b]
-            signals = {name: getattr(from_, name) for name in names}
-            kept = {name: size for name, size in own.offset.items() if name not in names}
-            moved = {name: size for name, size in from_.offset.items() if name in names}
-            joints[a] = replace(own, **signals, offset={**kept, **moved})
-        records.append(replace(record, joints=joints))
-    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+    def taking(own: Measurement, other: Measurement) -> Measurement:
+        signals = {name: getattr(other, name) for name in names}
+        kept = {name: size for name, size in own.offset.items() if name not in names}
+        moved = {name: size for name, size in other.offset.items() if name in names}
+        return replace(own, **signals, offset={**kept, **moved})
+
+    def changed(joints: Mapping[str, Measurement]) -> dict[str, Measurement]:
+        first, second = joints[one], joints[other]
+        return {one: taking(first, second), other: taking(second, first)}
+
+    return _with_joints(measurement, changed)

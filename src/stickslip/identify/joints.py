@@ -65,6 +65,7 @@ from stickslip.show.report import (
     KeyValue,
     KeyValues,
     Origin,
+    Paragraph,
     Section,
     SectionMaker,
     opening,
@@ -696,8 +697,11 @@ def _of_each(joints: Mapping[str, BandVerdict], part: str) -> tuple[str, ...]:
 
 def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of the page of a verdict on several joints."""
+    words = verdict.words
+    if verdict.best is not None:  # the sentences on several joints are no headline
+        words = replace(words, verdict=capital(verdict.closest.title), lede=words.verdict)
     return (
-        partial(opening, verdict.words, origin.data, remark),
+        partial(opening, words, origin.data, remark),
         *(
             partial(joint_section, name, joint, number)
             for number, (name, joint) in enumerate(verdict.joints.items(), 1)
@@ -710,16 +714,18 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
 
 def joint_section(name: str, verdict: BandVerdict, number: int) -> Section:
     """Return the band, the laws and the parameters of one joint."""
+    first = number == 1
     parts = (
         figure_section(verdict, prefix=f"joint-{number}"),
-        laws_section(verdict),
-        parameters_section(verdict),
+        laws_section(verdict, explained=first),
+        parameters_section(verdict, explained=first),
     )
+    blocks = (block for part in parts if part for block in part.blocks)
     return Section(
         id=f"joint-{number}",
         nav=capital(name),
         heading=f"{capital(name)}: {in_sentence(verdict.closest.title)}",
-        blocks=tuple(block for part in parts if part for block in part.blocks),
+        blocks=(Paragraph(text=verdict.words.lede), *blocks),
     )
 
 

@@ -235,25 +235,20 @@ def specimen_sentence(own: PredictionBand, other: PredictionBand, runs: int, uni
     )
 
 
-def ladder_texts(one: LawCandidate, unit: str) -> tuple[str, str]:
-    """Return within which share of friction a law stays, and where it is worst, for tables."""
-    worst_at = quantity(one.worst_at, unit, 2)
-    return share_text(one.distance), f"{share_text(one.worst)} at {worst_at}"
-
-
 def probability_text(share: float) -> str:
     """Return the probability of a law, for tables."""
     return percent(share) if share >= LEAST else f"below {percent(LEAST)}"
 
 
 def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the ladder, for the terminal."""
+    """Return heads and rows of the ladder: title and outcome of each law at their ends."""
     scale, unit = verdict.scale, verdict.measurement.unit("velocity")
     rows = [
         [
             candidate.title,
             str(candidate.count),
-            *ladder_texts(candidate, unit),
+            share_text(candidate.distance),
+            f"{share_text(candidate.worst)} at {quantity(candidate.worst_at, unit, 2)}",
             score_text(scale, candidate.left),
             probability_text(candidate.share),
             candidate.outcome,

@@ -5,13 +5,12 @@ from functools import partial
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.figures import BandDrawing, draw_band
 from stickslip.identify.fits import Estimate
-from stickslip.identify.ladder import ladder_texts, probability_text
+from stickslip.identify.ladder import ladder_rows
 from stickslip.identify.verdict import BandVerdict, importance
 from stickslip.show.formatting import (
     interval,
     parameter_words,
     percent,
-    significant,
     with_unit,
     within,
 )
@@ -114,30 +113,18 @@ def band_section(
     return Section(id="band", nav="Band", heading=heading, blocks=(block,))
 
 
-def laws_section(verdict: BandVerdict) -> Section:
-    """Return the ladder: laws by their parameters, with how close each is to friction."""
-    scale, unit = verdict.scale, verdict.measurement.unit("velocity")
-    tolerance = verdict.judgement.tolerance
+def laws_section(verdict: BandVerdict, *, explained: bool = True) -> Section:
+    """Return the ladder: laws by their parameters, with how close each is to friction.
+
+    Below it stands what its columns are, unless another table of the page is `explained`.
+    """
+    (law, *heads, _), texts = ladder_rows(verdict)
     rows = tuple(
-        Row(
-            cells=(
-                Name(text=candidate.title, aside=candidate.outcome),
-                str(candidate.count),
-                *ladder_texts(candidate, unit),
-                Number(value=significant(scale.factor * candidate.left), unit=scale.unit),
-                probability_text(candidate.share),
-            )
-        )
-        for candidate in sorted(verdict.candidates, key=lambda candidate: candidate.count)
+        Row(cells=(Name(text=title, aside=outcome), *cells)) for title, *cells, outcome in texts
     )
-    columns = (
-        Column(head="law"),
-        Column(head="parameters", numeric=True, phone="label"),
-        Column(head="stays within", numeric=True, phone="label"),
-        Column(head="worst", numeric=True, phone="label"),
-        Column(head="leaves", numeric=True, phone="label"),
-        Column(head="probability", numeric=True, phone="label"),
-    )
+    others = (Column(head=head, numeric=True, phone="label") for head in heads)
+    columns = (Column(head=law), *others)
+    tolerance = verdict.judgement.tolerance
     caption = (
         "Each law is fitted to the curve of friction that the readings make most probable, which"
         " need not be a law. Stays within: by how much of friction it is off at most at 95 % of the"
@@ -146,7 +133,7 @@ def laws_section(verdict: BandVerdict) -> Section:
         f" largest probability that a rest below {percent(tolerance)} of friction does not matter;"
         " where every law leaves more, the one that is closest with few parameters."
     )
-    table = Table(columns=columns, rows=rows, caption=caption)
+    table = Table(columns=columns, rows=rows, caption=caption if explained else "")
     count = len(verdict.set)
     heading = "Laws by their number of parameters"
     if count > 1:
@@ -154,7 +141,7 @@ def laws_section(verdict: BandVerdict) -> Section:
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
-def parameters_section(verdict: Verdict) -> Section | None:
+def parameters_section(verdict: Verdict, *, explained: bool = True) -> Section | None:
     """Return the parameters: under the named law, and over the laws that have them."""
     if not verdict.stated:
         return None
@@ -181,7 +168,7 @@ def parameters_section(verdict: Verdict) -> Section | None:
         "Right: over all laws of the band that have the parameter, by their shares. Levels are over"
         " the normal force, or forces where none is known."
     )
-    table = Table(columns=columns, rows=tuple(rows), caption=caption)
+    table = Table(columns=columns, rows=tuple(rows), caption=caption if explained else "")
     heading = f"Parameters of {verdict.closest.title}"
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=(table,))
 

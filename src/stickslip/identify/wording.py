@@ -204,13 +204,18 @@ def motions_sentence(shrinks: Sequence[float], share: float) -> str:
 
     They begin at a share of the start of the first.
     """
-    enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
     start = f" from {percent(share)} of its start" if share < 1.0 else ""
-    many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
     return (
         f"Record another such motion{start} as a further trial: with it the band is expected to be"
-        f" {percent(shrinks[0])} as wide; {many} halve it."
+        f" {_halving(shrinks)}"
     )
+
+
+def _halving(shrinks: Sequence[float]) -> str:
+    """Return how wide a band is after one more, and how many halve it, as the end of a sentence."""
+    enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
+    many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
+    return f"{percent(shrinks[0])} as wide; {many} halve it."
 
 
 def again_sentence(
@@ -229,12 +234,7 @@ def again_sentence(
     )
     if not shrinks:
         return result
-    enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
-    many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
-    return (
-        f"{result} With it, the latter is expected to be {percent(shrinks[0])} as wide; {many}"
-        " halve it."
-    )
+    return f"{result} With it, the latter is expected to be {_halving(shrinks)}"
 
 
 def third_load_sentence(loads: Array) -> str:

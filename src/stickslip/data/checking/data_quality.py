@@ -68,7 +68,7 @@ from stickslip.data.tolerances import (
 )
 from stickslip.data.travels import is_filmed, other_drives
 from stickslip.data.units import LARGEST_NUMBER
-from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import (
     PREFIX,
     BoundedMechanism,
@@ -1857,7 +1857,7 @@ def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> Non
 
 
 def refuse_lack(
-    first: Measurement, second: Measurement, *, compared: str = "", which: str = "the second record"
+    first: Measurement, second: Measurement, *, which: str = "the second record"
 ) -> None:
     """Refuse a record that has not what another one has that a fit was made to.
 
@@ -1870,7 +1870,7 @@ def refuse_lack(
     stickslip.errors.InputError: the second record has no force (u) [N], which ...
     """
     needed = [name for name in first.quantities() if name.partition(".")[0] in ACTING]
-    for name in dict.fromkeys([*needed, *([compared] if compared else [])]):
+    for name in needed:
         for record in second.records():
             if name in record.quantities():
                 continue
@@ -1906,11 +1906,7 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
 
 
 @contextmanager
-def with_doubts(
-    measurement: Measurement,
-    mechanism: Mechanism,
-    of: type[InputError | ConvergenceError] = InputError,
-) -> Iterator[None]:
+def with_doubts(measurement: Measurement, mechanism: Mechanism) -> Iterator[None]:
     """Add what `check` warns of to the message of a record that turns out not to serve.
 
     Examples
@@ -1926,7 +1922,7 @@ def with_doubts(
         yield
     except (ParameterError, UnknownNameError):  # of what was asked, not of the record
         raise
-    except of as error:
+    except InputError as error:
         result = check(measurement, mechanism=mechanism).findings
         doubts = [finding for finding in result if finding.severity == "warning"]
         if not doubts:

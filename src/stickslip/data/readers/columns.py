@@ -383,13 +383,10 @@ class Reading:
 
     def with_changes(self, other: "Reading") -> "Reading":
         """Return this one with what another one says in addition or instead."""
+        tables = ("columns", "units", "gain", "offset", "motor_constant")
         return Reading(
-            columns={**self.columns, **other.columns},
-            units={**self.units, **other.units},
-            gain={**self.gain, **other.gain},
-            offset={**self.offset, **other.offset},
+            **{name: {**getattr(self, name), **getattr(other, name)} for name in tables},
             repair=self.repair + other.repair,
-            motor_constant={**self.motor_constant, **other.motor_constant},
             layout=other.layout or self.layout,
             conditions=self.conditions + other.conditions,
             rotary=self.rotary if other.rotary is None else other.rotary,

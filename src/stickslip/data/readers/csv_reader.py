@@ -209,7 +209,7 @@ def _channels(segment: _Segment, separator: str, decimal: str) -> tuple[pd.DataF
     """Return the channels of a segment with units, behind their times, and if all have the same."""
     names = segment.names
     width = max(len(names), len(cells_of(segment.rows[0], separator)))
-    rows = rows_of(segment.rows, separator, decimal, width)
+    rows = rows_of(segment.rows, separator, width, decimal)
     own = [place for place, name in enumerate(names) if name not in (TIMES, "Comment", "")]
     units = _told(segment.head, "Y_Unit_Label")
     headers = numbered_twice([names[place] for place in own])
@@ -330,8 +330,7 @@ def read_scope(text: str) -> FileTable:
             " times and one of values, or more, in each group."
         )
     names, remarks = _names(head, width)
-    decimal = "," if separator != "," and any("," in line for line in lines[first:]) else "."
-    rows = rows_of(lines[first:], separator, decimal, max(width, len(cells)))
+    rows = rows_of(lines[first:], separator, max(width, len(cells)))
     groups = [*_groups(head, width)]
     lost = further_cells(int(rows[[*rows][width:]].notna().any(axis=1).sum()), width)
     for begin, *places in groups:
@@ -482,8 +481,7 @@ def read_serial(text: str) -> FileTable:
     heads = [cells[i] for i in range(rows[0]) if len(cells[i]) == width]
     if not all(names):
         names = heads[-1] if heads else [f"column {place}" for place in range(1, width + 1)]
-    decimal = "," if separator != "," and any("," in texts[i] for i in rows) else "."
-    data = rows_of([";".join(values[i]) for i in rows], ";", decimal, width).set_axis(names, axis=1)
+    data = rows_of([";".join(values[i]) for i in rows], ";", width).set_axis(names, axis=1)
     times = seconds_of(pd.Series([result[i]["stamp"] for i in rows]))
     if times is None:
         raise InputError("has time stamps before its lines that are no times of day.")
@@ -571,11 +569,10 @@ def read_tribometer(text: str) -> FileTable:
         )
     often = Counter(section.names for section in sections).most_common(1)[0][0]
     kept = [section for section in sections if section.names == often]
-    decimal = "," if separator != "," and any("," in row for row in kept[0].rows) else "."
     units = [_step_units(section) for section in kept]
     alike = [_are_alike(own, units[0]) for own in units]
     tables = [
-        _table(section, own, units[0], separator, decimal)
+        _table(section, own, units[0], separator)
         for section, own, fits in zip(kept, units, alike, strict=True)
         if fits
     ]
@@ -683,11 +680,11 @@ def _are_alike(units: Sequence[str], first: Sequence[str]) -> bool:
 
 
 def _table(
-    section: _Section, units: Sequence[str], first: Sequence[str], separator: str, decimal: str
+    section: _Section, units: Sequence[str], first: Sequence[str], separator: str
 ) -> pd.DataFrame:
     """Return the rows of a section in the units of the first, columns without a name left out."""
     width = max(len(section.names), len(cells_of(section.rows[0], separator)))
-    data = rows_of(section.rows, separator, decimal, width)
+    data = rows_of(section.rows, separator, width)
     named = [place for place, name in enumerate(section.names) if name]
     for place in named:
         if units[place] != first[place]:

@@ -151,14 +151,17 @@ def merged(tables: Sequence[pd.DataFrame]) -> tuple[pd.DataFrame, bool]:
     return pd.concat(once, axis=1).sort_index().reset_index(), False
 
 
-def rows_of(lines: Sequence[str], separator: str, decimal: str, width: int) -> pd.DataFrame:
+def rows_of(lines: Sequence[str], separator: str, width: int, decimal: str = "") -> pd.DataFrame:
     """Return rows of cells as numbers, by the places of their columns; a blank cell is empty.
+
+    The decimal mark is a comma where commas are in the rows and do not part cells, if nobody says.
 
     Examples
     --------
-    >>> rows_of(["0;0,5", "1; "], ";", ",", 2).fillna(-1.0).to_dict("list")
+    >>> rows_of(["0;0,5", "1; "], ";", 2).fillna(-1.0).to_dict("list")
     {0: [0, 1], 1: [0.5, -1.0]}
     """
+    commas = separator != "," and any("," in line for line in lines)
     check_columns("the table", width)
     check_size("the table", float(width * len(lines)), FEWER_COLUMNS)
     try:
@@ -167,7 +170,7 @@ def rows_of(lines: Sequence[str], separator: str, decimal: str, width: int) -> p
             return pd.read_csv(
                 io.StringIO("\n".join(lines)),
                 sep=separator,
-                decimal=decimal,
+                decimal=decimal or ("," if commas else "."),
                 header=None,
                 names=list(range(width)),
                 index_col=False,

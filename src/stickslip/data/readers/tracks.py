@@ -223,7 +223,7 @@ def read_capture(text: str) -> FileTable:
             header = f"{match['name']} [{unit_in(match['unit'])}]"
         headers.append(f"{header} [{length}]" if kind == POSITION and is_unit(length) else header)
     rows = [line for line in lines[first:] if line.strip(", ")]
-    data = rows_of(rows, ",", ".", width).set_axis(numbered_twice(headers), axis=1)
+    data = rows_of(rows, ",", width).set_axis(numbered_twice(headers), axis=1)
     data = data[[name for name in data.columns if name and data[name].notna().any()]]
     spans = {name: _span(data[name]) for name in data.columns if f"{SEPARATOR}{POSITION}" in name}
     order = sorted(spans, key=lambda name: spans[name], reverse=True)

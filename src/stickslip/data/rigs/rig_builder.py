@@ -1391,7 +1391,7 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
         return result
     columns = {"position": given["column"]} if given["column"] else {}
     units = {"position": given["unit"]} if given["unit"] else {}
-    try:
+    with file.concerning(key):
         frame = read_frame(file.beside(given["file"]), columns=columns, units=units)
         for name in ("time", "position"):
             if name not in frame.names:
@@ -1404,10 +1404,6 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
             )
         result["times"] = tuple(frame.numbers("time", "s").tolist())
         result["positions"] = tuple(frame.numbers("position", moved or None).tolist())
-    except UnknownNameError as error:
-        raise UnknownNameError(f"{error.kind} in {file}: {key}:", error.name, error.known) from None
-    except InputError as error:
-        raise type(error)(f"{file}: {key}: {error}") from None
     return result
 
 
@@ -1481,14 +1477,10 @@ def _estimates(
     given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
     given["covariance"] = tuple(map(tuple, table.covariance))
     given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
-    try:
+    with file.concerning():
         result = LawEstimates(**given)
         law = rig.estimated_law(result.law, known.laws, of_contacts)
         return result.without(_changed(law, file.overridden)).checked(law)
-    except UnknownNameError as error:
-        raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
-    except InputError as error:
-        raise type(error)(f"{file}: {error}") from None
 
 
 def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:

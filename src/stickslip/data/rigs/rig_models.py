@@ -13,7 +13,7 @@ import re
 import types
 import typing
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union
@@ -64,6 +64,17 @@ class RigFile:
         """Return where a key was given: the file, or an override of it."""
         own = any(key == path or key.startswith(path + ".") for path in self.overridden)
         return f"override of {self}" if own else self.name
+
+    @contextlib.contextmanager
+    def concerning(self, key: str = "") -> Iterator[None]:
+        """Say of an error that it is about this file, or about a table of it."""
+        at = f"{self}: {key}:" if key else f"{self}:"
+        try:
+            yield
+        except UnknownNameError as error:
+            raise UnknownNameError(f"{error.kind} in {at}", error.name, error.known) from None
+        except InputError as error:
+            raise type(error)(f"{at} {error}") from None
 
     def built(self, kind: Callable[..., T], values: Mapping[str, Any], key: str, root: str) -> T:
         """Return an object of the values of a table; what it refuses is said with its place.
@@ -482,12 +493,8 @@ def _described(table: UrdfTable, file: RigFile) -> mechanisms.RobotDescription:
     """Read the description that a table names."""
     gravity = table.gravity.value if isinstance(table.gravity, Given) else table.gravity
     path, moving = file.beside(table.file), table.moving or None
-    try:
+    with file.concerning("mechanism"):
         return mechanisms.read_urdf(path, joints=moving, locked=table.locked, gravity=gravity)
-    except UnknownNameError as error:
-        raise UnknownNameError(f"{error.kind} named by {file}:", error.name, error.known) from None
-    except InputError as error:
-        raise type(error)(f"{file}: mechanism: {error}") from None
 
 
 def robot_of(

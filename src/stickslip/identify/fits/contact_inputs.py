@@ -350,7 +350,7 @@ def typical_inputs(
         return {}
     every: dict[str, list[Array]] = {name: [] for name in law.inputs}
     for given in measurement.records():
-        record = with_voltage(mechanism, given, "zero")
+        record = with_voltage(mechanism, given)
         set_up = as_recorded(mechanism, record)
         names = {"position": "position", "velocity": "velocity", "force": command_of(record)}
         signals: dict[str, Any] = {

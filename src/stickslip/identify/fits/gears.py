@@ -71,7 +71,7 @@ def varies_load(mechanism: Mechanism, measurement: Measurement) -> bool:
 
 def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
     """Return what the gear transmits along a record (n,); 0 in what is too short."""
-    record = with_voltage(mechanism, record, "zero")
+    record = with_voltage(mechanism, record)
     own, times = as_recorded(mechanism, record), np.asarray(record.time, dtype=float)
     weighs = "offset" in own.__dataclass_fields__
     if weighs:  # the constant force of the record is found beside friction

@@ -30,6 +30,7 @@ from stickslip.show.formatting import (
 )
 from stickslip.show.report import (
     Cell,
+    Name,
     Number,
     Origin,
     Row,
@@ -58,6 +59,8 @@ class Column(Generic[C]):
     """Number [SI] or text for a DataFrame."""
     text: Callable[[C], Shown] = lambda _: None
     """What people read, without the unit; None where there is nothing."""
+    aside: Callable[[C], str] = lambda _: ""
+    """What a page says below the text."""
     unit: str = ""
     """Unit of the text, which a terminal says in the cell and a page in the heading."""
     why_empty: str = NO_VALUE
@@ -83,6 +86,8 @@ class Column(Generic[C]):
         text = self.text(one)
         if text is None:
             return self.why_empty
+        if aside := self.aside(one):
+            return Name(text=str(text), aside=aside)
         return text if isinstance(text, str) else Number(value=text.value, doubt=text.doubt)
 
 

@@ -323,6 +323,7 @@ COLUMNS: Final[Columns[SimulatedCandidate]] = (
     Column(
         key="law", title="law", page="law", numeric=False,
         value=lambda item: item.name, text=lambda item: item.title,
+        aside=lambda item: "" if item.outcome.endswith("probable") else item.outcome,
     ),
     Column(
         key="parameters", title="parameters", page="parameters", phone="label",
@@ -346,8 +347,7 @@ LAST: Final[Columns[SimulatedCandidate]] = (
         value=_second, text=lambda item: score_text(PLAIN, _second(item)),
     ),
     Column(
-        key="outcome", page="outcome", numeric=False, phone="label",
-        value=lambda item: plain(item.outcome), text=lambda item: item.outcome,
+        key="outcome", value=lambda item: plain(item.outcome)
     ),
 )  # fmt: skip
 """... after what they say of some."""

@@ -800,15 +800,19 @@ TRAVEL_COLUMNS: Final[Columns[Any]] = (
         text=_fitted,
     ),
     Column(
-        key="range", title="95 % if it holds", page="95 %,\nif it holds", numeric=False,
-        phone="label", value=_ranges, text=lambda item: _ranges(item) or None,
+        key="range", title="95 % if it holds", page="95 %\nif it holds", numeric=False,
+        phone="label", label="95 % if it holds", value=_ranges,
+        text=lambda item: _ranges(item) or None,
     ),
     Column(
         key="travel", title="travel", page="travel", phone="hide", value=_travel,
         text=lambda item: quantity(_travel(item), "m", 3) if item.criteria else None,
     ),
     Column(title="as read", optional=True, value=_as_read, text=_as_read),
-    Column(title="velocity never < 0", page="velocity\nnever < 0", phone="label", text=_forward),
+    Column(
+        title="velocity never < 0", page="velocity\nnever < 0", phone="label",
+        label="velocity never < 0", text=_forward,
+    ),
     Column(
         key="score", title="held-out error", page="held-out error", phone="label", optional=True,
         value=lambda item: item.score,
@@ -817,6 +821,7 @@ TRAVEL_COLUMNS: Final[Columns[Any]] = (
     COLUMNS[3],
     Column(
         key="share", title="share of the band", page="share of\nthe band", phone="label",
+        label="share of the band",
         value=lambda item: item.share,
         text=lambda item: percent(item.share) if item.share >= 0.005 else None,
     ),
@@ -1188,9 +1193,11 @@ def _trial_rows(verdict: TravelVerdict) -> list[list[str]]:
     """Return the trials with what was measured and predicted, and the held-out error."""
     table, (_, unit) = verdict.compared(), what_of(verdict.trials)
     names = ["measured", "predicted"] + ["held_out_error"] * (not verdict.problem.repeated)
+    numbers = table[names].to_numpy(dtype=float)
+    scale = scale_of(numbers, unit)
     return [
-        [str(name), *(quantity(float(x), unit, 3) for x in row)]
-        for name, row in zip(table.index, table[names].to_numpy(), strict=True)
+        [str(name), *map(scale.quantity, row)]
+        for name, row in zip(table.index, numbers.tolist(), strict=True)
     ]
 
 
@@ -1227,9 +1234,10 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     if len(verdict.trials) < 2:
         return None
     cells = _trial_rows(verdict)
-    rows = tuple(Row(cells=(Name(text=name), *others)) for name, *others in cells)
+    rows = tuple(Row(cells=(Name(text=name), *values)) for name, *values in cells)
     heads = ("measured", verdict.closest.title, "held-out error")[: len(cells[0]) - 1]
-    columns = (PageColumn(head="trial"), *(PageColumn(head=x, numeric=True) for x in heads))
+    others = (PageColumn(head=head, numeric=True, phone="label") for head in heads)
+    columns = (PageColumn(head="trial"), *others)
     caption = "Held-out errors are those of a setting that the law was not fitted to."
     table = Table(columns=columns, rows=rows, caption="" if verdict.problem.repeated else caption)
     return Section(id="trials", nav="Trials", heading="Each trial", blocks=(table,))

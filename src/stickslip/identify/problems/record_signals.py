@@ -206,7 +206,7 @@ def _record(
     linear: bool,
 ) -> Record:
     """Return one piece of a record."""
-    record = with_voltage(mechanism, given, "zero")
+    record = with_voltage(mechanism, given)
     known, time = record.quantities(), np.asarray(record.time, dtype=float)
     velocity = np.asarray(record.values("velocity"), float) if "velocity" in known else None
     located = "position" in known
