@@ -296,7 +296,7 @@ def lacking_sentences(
         f" table of its levels{there} in both directions, constant beyond them{driven}." * table,
         f"What changes with several inputs is a product in the law, not a sum: both are the same"
         f"{there}." * several,
-        "The mechanism has no constant force: the offset is in the levels of the law, which differ"
+        "The constant force beyond that of the mechanism is in the levels of the law, which differ"
         " by direction. If it is the zero of the sensor, subtract it from the readings." * offset,
     )
     return tuple(filter(None, each))

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 # Times of samples: times of day and dates as seconds, and their repair, on request only.
 
 DAY: Final = 86_400.0
-HALF: Final = DAY / 2
-"""A time of day that falls by more than this has passed midnight."""
 _CLOCK: Final = r"\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d{1,9})?)?(?:\s*(?P<half>[AaPp][Mm]))?"
 _DATE: Final = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./-]\d{1,2}[./-]\d{2,4})"
 _STAMP: Final = re.compile(
@@ -137,7 +135,8 @@ def _of_day(texts: "pd.Series[Any]") -> NDArray[np.float64] | None:
         return None
     times = np.array(stamps.dt.total_seconds(), dtype=float)
     there = np.flatnonzero(np.isfinite(times))
-    days = np.cumsum(np.diff(times[there], prepend=times[there[0]]) < -HALF)
+    # one that falls by more than half a day has passed midnight
+    days = np.cumsum(np.diff(times[there], prepend=times[there[0]]) < -DAY / 2)
     times[there] += DAY * days
     return times
 
@@ -370,6 +369,7 @@ MISSING: Final = ("", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none",
 """Words of cells, in any case, that stand for a number that is missing, or for none."""
 BRACKETS: Final = ("[]", "()", "<>", "{}")
 NO_UNIT: Final = ("-", "\N{EN DASH}", "\N{MINUS SIGN}", "1")
+"""What stands in a header for the unit of a pure number."""
 _NUMBER: Final = re.compile(
     r"""[+-]?(?:\d+(?:[.'\ \u2019\u00a0\u202f]\d{3})*(?:[.,]\d*)?   # 12, 0,5, 1.592,0
         |\d{1,3}(?:,\d{3})+(?:\.\d*)?                               # 1,592.0

@@ -28,7 +28,7 @@ from stickslip.data.readers.columns import (
     stated_unit,
     without_unit,
 )
-from stickslip.data.readers.layout import Layout, regular_times, seconds_of, unit_in
+from stickslip.data.readers.layout import NO_UNIT, Layout, regular_times, seconds_of, unit_in
 from stickslip.data.readers.table import TRIAL, FileTable, json_of, one_line, parsed_as
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
@@ -1061,8 +1061,6 @@ RUN: Final = frozenset({"t", "friction", "normal_force", "mode"})
 """Columns by which a file shows that a run of this package wrote it."""
 STATES: Final = ({"x": "position", "v": "velocity"}, {"theta": "position", "omega": "velocity"})
 """What the states of one body are called there, on a line and about an axis."""
-NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
-"""What stands in the brackets of a header for the unit of a pure number."""
 _HEADER = re.compile(r"(?P<name>[^\[\]]*+)(?:\[(?P<unit>[^\[\]]*+)\])?+")
 
 
