@@ -135,7 +135,7 @@ def _near(name: str, known: Iterable[str], symbols: Mapping[str, str]) -> list[s
 
 @contextmanager
 def concerning(what: str, kind: type[InputError] = ParameterError) -> Iterator[None]:
-    """Put what something is of before the message of an error that refuses it.
+    """Put what something is of before the message of an error that refuses it, once.
 
     Examples
     --------
@@ -148,7 +148,8 @@ def concerning(what: str, kind: type[InputError] = ParameterError) -> Iterator[N
         yield
     except kind as error:
         raised = ParameterError if isinstance(error, ParameterError) else InputError
-        raise raised(f"{what} {error}") from None
+        text = str(error)
+        raise raised(text if text.startswith(what) else f"{what} {text}") from None
 
 
 def check_size(

@@ -338,10 +338,7 @@ def rows_of(record: Measurement, first: int, end: int) -> Measurement:
     >>> part.time.tolist(), part.position.tolist(), part.load
     ([1.0, 2.0], [6.0, 7.0], 9.0)
     """
-    return _picked(record, slice(first, end))
-
-
-def _picked(record: Measurement, rows: slice) -> Measurement:
+    rows = slice(first, end)
     columns = {
         name: getattr(record, name)[rows]
         for name in ("time", *SAMPLED)
@@ -351,7 +348,7 @@ def _picked(record: Measurement, rows: slice) -> Measurement:
         {name: x[rows] if isinstance(x, np.ndarray) else x for name, x in held.items()}
         for held in (record.inputs, record.uncertainty)
     )
-    joints = {name: _picked(joint, rows) for name, joint in record.joints.items()}
+    joints = {name: rows_of(joint, first, end) for name, joint in record.joints.items()}
     return replace(record, **columns, inputs=inputs, uncertainty=doubts, joints=joints)
 
 

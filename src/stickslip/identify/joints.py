@@ -714,11 +714,10 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
 
 def joint_section(name: str, verdict: BandVerdict, number: int) -> Section:
     """Return the band, the laws and the parameters of one joint."""
-    first = number == 1
     parts = (
         figure_section(verdict, prefix=f"joint-{number}"),
-        laws_section(verdict, explained=first),
-        parameters_section(verdict, explained=first),
+        laws_section(verdict, explained=number == 1),
+        parameters_section(verdict, explained=number == 1),
     )
     blocks = (block for part in parts if part for block in part.blocks)
     return Section(

@@ -124,14 +124,13 @@ def laws_section(verdict: BandVerdict, *, explained: bool = True) -> Section:
     )
     others = (Column(head=head, numeric=True, phone="label") for head in heads)
     columns = (Column(head=law), *others)
-    tolerance = verdict.judgement.tolerance
     caption = (
         "Each law is fitted to the curve of friction that the readings make most probable, which"
         " need not be a law. Stays within: by how much of friction it is off at most at 95 % of the"
         " speeds. Worst: where it is off most. Leaves: root mean square of the readings about it."
         " Probability: of the law, whatever small rest no law says. Named is the law with the"
-        f" largest probability that a rest below {percent(tolerance)} of friction does not matter;"
-        " where every law leaves more, the one that is closest with few parameters."
+        f" largest probability that a rest below {percent(verdict.judgement.tolerance)} of friction"
+        " does not matter; where every law leaves more, the one that is closest with few parameters."
     )
     table = Table(columns=columns, rows=rows, caption=caption if explained else "")
     count = len(verdict.set)

@@ -1596,19 +1596,16 @@ def _filed(
     _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} applies to a travel, but file names a record")
     own = reading.with_changes(_reading(trial, file, key))
     settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
-    try:
+    initial = _initial(trial.initial, mechanism, f"{label}.initial")
+    with concerning(f"{label}:", InputError):
         result = read_data(
             [file.beside(trial.file)],
             own,
             overrides=settings,
-            initial=_initial(trial.initial, mechanism, f"{label}.initial"),
+            initial=initial,
             name=trial.name,
             mechanism=mechanism,
         )
-    except InputError as error:
-        kind = ParameterError if isinstance(error, ParameterError) else InputError
-        text = str(error)
-        raise kind(text if text.startswith(label) else f"{label}: {text}") from None
     for record in result.records():
         rig.check_record(mechanism, record, label)
     return tuple(

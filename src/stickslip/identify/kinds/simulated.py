@@ -346,9 +346,7 @@ LAST: Final[Columns[SimulatedCandidate]] = (
         title="second record", page="second record", phone="label", optional=True,
         value=_second, text=lambda item: score_text(PLAIN, _second(item)),
     ),
-    Column(
-        key="outcome", value=lambda item: plain(item.outcome)
-    ),
+    Column(key="outcome", value=lambda item: plain(item.outcome)),
 )  # fmt: skip
 """... after what they say of some."""
 

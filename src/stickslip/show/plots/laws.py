@@ -109,7 +109,7 @@ def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> N
     for title, result in results.items():
         _line(axes, result.rate, result.force, style[title], title, marker="o", markersize=4)
     axes.set_xscale("log")
-    _none_if_empty(axes, "no peak at break-away")
+    _none_if_empty(axes)
     axes.set_xlabel("rate of the force, N/s")
     axes.set_ylabel("break-away, N")
 
@@ -145,10 +145,11 @@ def _energy_scale(energies: list[float]) -> tuple[float, str]:
     return 1e6, "µJ"
 
 
-def _none_if_empty(axes: Axes, text: str) -> None:
+def _none_if_empty(axes: Axes) -> None:
     lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
     if not any(np.isfinite(line).any() for line in lines):
         axes.set(xscale="linear", yscale="linear")
+        text = "no peak at break-away"
         axes.text(0.5, 0.5, text, transform=axes.transAxes, color=theme.MUTED, ha="center")
 
 

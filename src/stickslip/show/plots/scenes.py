@@ -8,7 +8,7 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
@@ -321,10 +321,16 @@ UPWARDS: Final = (-0.17, 0.3, 0.94)
 """Where they point upwards."""
 
 
-def _rubbing(corner: Point, width: float, height: float, contact: str) -> Box:
+def _rubbing(corner: Point, width: float, height: float, contact: str = "") -> Box:
     """Return a box in the colour of its contact's mode, by its lower left corner."""
     left, bottom = corner
     return Box(left=left, bottom=bottom, width=width, height=height, fill="mode", contact=contact)
+
+
+def _driven(now: Moment, at: Point) -> list[Shape]:
+    """Return the arrow of a drive along the ground, where there is one."""
+    drive = now.get("drive")
+    return [] if drive is None else [Arrow(at=at, along=(1.0, 0.0), value=drive, role="drive")]
 
 
 def block_chain(mechanism: mechanisms.BlockChain, run: Trajectory) -> Picture:
@@ -377,10 +383,7 @@ def two_feet(mechanism: mechanisms.TwoFeet, run: Trajectory) -> Picture:
             result.append(_rubbing((at - foot, 0.0), 2.0 * foot, low, contact))
             result += standing_forces(now, at, 0.0, normal=True, contact=contact)
         result.append(Ball(centre=(x, centre), radius=0.3 * foot, fill="solid"))
-        if "drive" in now:
-            push = Arrow(at=(x, centre), along=(1.0, 0.0), value=now["drive"], role="drive")
-            result.append(push)
-        return result
+        return [*result, *_driven(now, (x, centre))]
 
     return Picture(shapes=shapes)
 
@@ -519,15 +522,12 @@ def spring_block(mechanism: mechanisms.SpringBlock, run: Trajectory) -> Picture:
             result.append(Wall(start=start, end=stop))
             result.append(Coil(start=(foot, high), end=(end, high), radius=0.32 * TALL * size))
         result += _stops(mechanism.lower_stop, mechanism.upper_stop, left - x, size)
-        result.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        result.append(_rubbing((left, 0.0), size, TALL * size))
         result += _plumb(
             mechanism.incline, (left + 0.15 * size, 1.7 * TALL * size), 0.6 * TALL * size
         )
         result += standing_forces(now, middle, size, normal=True)
-        if "drive" in now:
-            top = (middle, 0.6 * TALL * size)
-            result.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
-        return result
+        return [*result, *_driven(now, (middle, 0.6 * TALL * size))]
 
     return Picture(shapes=shapes)
 
@@ -561,7 +561,7 @@ def towed_block(mechanism: mechanisms.TowedBlock, run: Trajectory) -> Picture:
             Coil(start=(x, high), end=(far, high), radius=0.25 * TALL * size),
             Rod(points=((far, 0.7 * high), (far, 1.3 * high)), width=3.0),
             Rod(points=((far, high), (far + side * 0.3 * size, high))),
-            Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"),
+            _rubbing((left, 0.0), size, TALL * size),
             *standing_forces(
                 now, middle, size, normal=mechanism.load is None or mechanism.load != 1.0
             ),
@@ -589,12 +589,9 @@ def axis(mechanism: mechanisms.Axis, run: Trajectory) -> Picture:
             result.append(Wall(start=(foot, 0.0), end=(foot, 1.6 * TALL * size)))
             result.append(Coil(start=(foot, high), end=(left, high), radius=0.3 * TALL * size))
         result += _stops(mechanism.lower_stop, mechanism.upper_stop, -0.5 * size, size)
-        result.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        result.append(_rubbing((left, 0.0), size, TALL * size))
         result += standing_forces(now, x, size, normal=mechanism.load != 1.0)
-        if "drive" in now:
-            top = (x, 1.2 * high)
-            result.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
-        return result
+        return [*result, *_driven(now, (x, 1.2 * high))]
 
     return Picture(shapes=shapes)
 
@@ -625,24 +622,13 @@ def two_mass_axis(mechanism: mechanisms.TwoMassAxis, run: Trajectory) -> Picture
                 for share in (0.25, 0.75):
                     centre = (place + share * size, 0.5 * raised)
                     result.append(Ball(centre=centre, radius=0.5 * raised, fill="solid"))
-            result.append(
-                Box(
-                    left=place,
-                    bottom=base,
-                    width=size,
-                    height=TALL * size - base,
-                    fill="mode" if rubs else "body",
-                    contact=side if both else "",
-                )
-            )
+            body = _rubbing((place, base), size, TALL * size - base, side if both else "")
+            result.append(body if rubs else replace(body, fill="body"))
         for side, left in rubbing.items():
             middle, own = left + 0.5 * size, side if both else ""
             normal = mechanism.load != 1.0
             result += standing_forces(now, middle, size, normal=normal, contact=own)
-        if "drive" in now:
-            at = (motor + 0.5 * size, 1.2 * high)
-            result.append(Arrow(at=at, along=(1.0, 0.0), value=now["drive"], role="drive"))
-        return result
+        return [*result, *_driven(now, (motor + 0.5 * size, 1.2 * high))]
 
     return Picture(shapes=shapes)
 
@@ -695,14 +681,7 @@ def pendulum_cart(mechanism: mechanisms.PendulumCart, _seen: Trajectory) -> Pict
                 touched=tuple((foot - wheel, foot + wheel) for foot in feet),
                 contacts=(wheels, wheels),
             ),
-            Box(
-                left=feet[0] - overhang,
-                bottom=wheel,
-                width=base + 2.0 * overhang,
-                height=pivot - wheel,
-                fill="mode",
-                contact=wheels,
-            ),
+            _rubbing((feet[0] - overhang, wheel), base + 2.0 * overhang, pivot - wheel, wheels),
             *(Ball(centre=(foot, wheel), radius=wheel, fill="solid") for foot in feet),
             Rod(points=((x, pivot), ball), width=2.4),
             Ball(centre=ball, radius=0.08 * l, fill="solid"),
@@ -762,7 +741,7 @@ def capsule(mechanism: mechanisms.Capsule, run: Trajectory) -> Picture:
         middle = 0.5 * tall
         result: list[Shape] = [
             Ground(touched=((left, x + half),)),
-            Box(left=left, bottom=0.0, width=2.0 * half, height=tall, fill="mode"),
+            _rubbing((left, 0.0), 2.0 * half, tall),
         ]
         if mechanism.stiffness > 0:
             coil = Coil(start=(left, middle), end=(face, middle), radius=0.16 * tall, turns=7)
@@ -811,7 +790,7 @@ def inclined_masses(
         x = now["x"]
         result: list[Shape] = [
             Ground(touched=((x - half, x + half),)),
-            Box(left=x - half, bottom=0.0, width=2.0 * half, height=2.0 * half, fill="mode"),
+            _rubbing((x - half, 0.0), 2.0 * half, 2.0 * half),
         ]
         for name, mass in inner.items():
             along, up = math.cos(mass.angle or 0.0), math.sin(mass.angle or 0.0)

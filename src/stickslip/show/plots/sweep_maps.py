@@ -343,7 +343,8 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
         curves = [_heights(branch, name, velocity=velocity) for branch in branches]
         dots = _settled(result, name, velocity=velocity)
         known = np.concatenate([*curves, np.ravel(dots[1])])
-        factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
+        unit = result.units.get(name, "1") + "/s" * velocity
+        factor, unit = scale_of(known, unit)
         for marks, chosen in zip(SETTLED, (~dots[2], dots[2]), strict=True):
             axes.plot(dots[0][chosen], factor * dots[1][chosen], **marks)
         for branch, heights in zip(branches, curves, strict=True):
@@ -423,10 +424,6 @@ def _shown(result: OrbitDiagram | Branch, show: str | None) -> tuple[str, bool]:
             f"draw_orbits: show must be one of {', '.join((*moving, *free))}, got {show!r}."
         )
     return show, show in moving
-
-
-def _unit_shown(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> str:
-    return result.units.get(name, "1") + ("/s" if velocity else "")
 
 
 def _heights(branch: Branch, name: str, *, velocity: bool) -> Any:
