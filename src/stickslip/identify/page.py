@@ -130,7 +130,7 @@ def laws_section(verdict: BandVerdict, *, explained: bool = True) -> Section:
         " speeds. Worst: where it is off most. Leaves: root mean square of the readings about it."
         " Probability: of the law, whatever small rest no law says. Named is the law with the"
         f" largest probability that a rest below {percent(verdict.judgement.tolerance)} of friction"
-        " does not matter; where every law leaves more, the one that is closest with few parameters."
+        " does not matter; where each law leaves more, the one that is closest with few parameters."
     )
     table = Table(columns=columns, rows=rows, caption=caption if explained else "")
     count = len(verdict.set)
