@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import Array
+from stickslip.data.readers.toml import read_bytes
 from stickslip.data.tolerances import FEWEST_SAMPLES, LONGEST_LINE, NEARLY_ALL, PER_MILLE
 from stickslip.data.units import read_number
 from stickslip.errors import InputError, UnknownNameError, concerning
@@ -461,10 +462,7 @@ class Text:
 
 def bytes_of(path: Path) -> bytes:
     """Return what a text file holds, its lines ended by line feeds."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+    data = read_bytes(path)
     return data if b"\n" in data else data.replace(b"\r", b"\n")
 
 
