@@ -34,7 +34,6 @@ from stickslip.show.formatting import joined, number
 
 CUTOFF: Final = 0.1
 """Corner of the low pass over the sampling frequency: 100 Hz where 1 kHz was sampled."""
-ORDER: Final = 4
 PADDED: Final = 10.0
 """Periods of the corner frequency by which ends are continued."""
 USUAL: Final = 100.0 * (1.0 - ROUNDED)
@@ -186,7 +185,7 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
             f"The cutoff must lie between 0 and half the sampling frequency, {number(0.5 / dt)}"
             f" Hz, got {cutoff!r}."
         )
-    sections = butter(ORDER, 2 * corner, output="sos")
+    sections = butter(4, 2 * corner, output="sos")
     # A filter would carry what is on one side of a gap to the other.
     cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1
     if cuts.size > MOST_ENTRIES:  # such a record is more gaps than samples: left as it is

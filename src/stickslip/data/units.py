@@ -80,11 +80,6 @@ def _wanted(quantity: Quantity, given: object, value: float) -> str:
     return written.wanted(value / size)
 
 
-MOST_UNCERTAIN: Final = 0.5
-"""Standard uncertainty over a value that cannot be negative, from which on two standard
-uncertainties reach 0: to first order, a fit would follow values that do not exist."""
-
-
 def check_uncertainty(
     uncertainty: float, value: float, quantity: Quantity, given: object = None
 ) -> float:
@@ -101,7 +96,9 @@ def check_uncertainty(
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     got = f"{uncertainty:g}{unit}" if given is None else shown(given)
     positive = quantity.low >= 0.0 or (quantity.above is not None and quantity.above >= 0.0)
-    most = MOST_UNCERTAIN * abs(value) if positive and value else math.inf
+    # Of a value that cannot be negative, two standard uncertainties must not reach 0: to first
+    # order, a fit would follow values that do not exist.
+    most = 0.5 * abs(value) if positive and value else math.inf
     if 0.0 < uncertainty < most:
         return uncertainty
     room = f" and below {number_text(most, 6)}{unit}, half of the value" if most < math.inf else ""
