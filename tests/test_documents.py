@@ -10,15 +10,16 @@ from pathlib import Path
 import pytest
 
 from stickslip.errors import InputError
+from stickslip.show import documents
 from stickslip.show.documents import LIST, write_file, write_files, write_folder
 
 OLD = {"index.html": "old", "verdict.json": "old", "law.toml": "old"}
 NEW = {"index.html": "new", "verdict.json": "new"}
 CHILD = """
-import os, pathlib, signal, sys
+import ctypes, os, pathlib, signal, sys
 from stickslip.show import documents
 
-folder, where = sys.argv[1:]
+folder, where, can_exchange = sys.argv[1:]
 last = calls = 0
 
 def deadly(real):
@@ -37,6 +38,9 @@ def deadly(real):
 
 for name in ("replace", "rename", "unlink", "mkdir", "link", "open", "rmdir", "fsync"):
     setattr(os, name, deadly(getattr(os, name)))
+def refused(*_):
+    raise OSError("no such call")
+documents._exchange = deadly(documents._exchange) if can_exchange == "True" else refused
 new = {"index.html": "new", "verdict.json": "new"}
 end = None
 while end in (None, -signal.SIGKILL):  # each time one step farther, in a copy of this process
@@ -51,6 +55,10 @@ while end in (None, -signal.SIGKILL):  # each time one step farther, in a copy o
 """
 MOST_STEPS = 60
 """More than any folder of these takes."""
+linux = pytest.mark.skipif(sys.platform != "linux", reason="exchanges folders in one step")
+OTHER_STARTS = (
+    ("absent", "after"), ("old", "before"), ("old", "after"), ("old with a user's files", "before"),
+)  # fmt: skip
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
 
 
@@ -63,9 +71,9 @@ def seen(folder):
     }
 
 
-def killed(folders, where):
+def killed(folders, where, can_exchange):
     """Write a folder for each step after which the process is killed; return how each one ended."""
-    command = [sys.executable, "-c", CHILD, str(folders), where]
+    command = [sys.executable, "-c", CHILD, str(folders), where, str(can_exchange)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     ends = [int(end) for end in done.stdout.split()]
     assert ends == [-signal.SIGKILL] * (len(ends) - 1) + [0], done.stderr
@@ -73,13 +81,48 @@ def killed(folders, where):
 
 
 @posix
+@pytest.mark.parametrize(
+    ("start", "where"),
+    [
+        ("absent", "before"),
+        ("old with a user's files", "after"),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in OTHER_STARTS),
+    ],
+)
+@linux
+def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_path, start, where):
+    before, user, states = {}, {}, []
+    for last in range(1, MOST_STEPS):
+        folder = tmp_path / str(last) / "report"
+        folder.parent.mkdir()
+        if start != "absent":
+            write_folder(folder, OLD)
+            before = dict(OLD)
+        if start == "old with a user's files":
+            (folder / "mine" / "deep").mkdir(parents=True)
+            (folder / "notes.txt").write_text("mine")
+            (folder / "mine" / "deep" / "law.toml").write_text("mine")
+            user = {"notes.txt": "mine", "mine/deep/law.toml": "mine"}
+    for last in killed(tmp_path / "{}" / "report", where, can_exchange=True):
+        folder = tmp_path / str(last) / "report"
+        now = seen(folder) if folder.exists() else {}
+        assert now in ({**before, **user}, {**NEW, **user})
+        states.append(now == {**NEW, **user})
+        write_folder(folder, NEW, stale=["law.toml"])  # and the next one goes through
+        assert seen(folder) == {**NEW, **user}
+    assert 3 < len(states) < MOST_STEPS - 1
+    assert states == sorted(states)  # once new, it stays new
+    assert not states[0]
+
+
+@posix
 @pytest.mark.parametrize("where", ["before", pytest.param("after", marks=pytest.mark.slow)])
-def test_old_files_never_stand_beside_new_ones_where_a_process_is_killed(tmp_path, where):
+def test_without_an_exchange_old_files_never_stand_beside_new_ones(tmp_path, where):
     for last in range(1, MOST_STEPS):
         folder = tmp_path / str(last)
         write_folder(folder, OLD)
         (folder / "notes.txt").write_text("mine")
-    steps = killed(tmp_path / "{}", where)
+    steps = killed(tmp_path / "{}", where, can_exchange=False)
     for last in steps:
         folder = tmp_path / str(last)
         now = seen(folder)
@@ -89,6 +132,17 @@ def test_old_files_never_stand_beside_new_ones_where_a_process_is_killed(tmp_pat
         write_folder(folder, NEW, stale=["law.toml"])  # what is left is known as ours
         assert seen(folder) == {**NEW, "notes.txt": "mine"}
     assert 5 < len(steps) + 1 < MOST_STEPS
+
+
+@linux
+def test_what_a_killed_process_left_is_removed_when_it_is_old(tmp_path, monkeypatch):
+    left = tmp_path / ".report.tmp-0123abcd"
+    left.mkdir()
+    write_folder(tmp_path / "report", NEW)
+    assert left.exists()  # another process may be at work
+    monkeypatch.setattr(documents, "ABANDONED", -1.0)
+    write_folder(tmp_path / "report", NEW)
+    assert not left.exists()
 
 
 @pytest.mark.parametrize("name", ["index.html", "law.toml", "verdict.json"])
@@ -141,7 +195,7 @@ def test_a_list_cannot_name_files_elsewhere(tmp_path):
     assert (tmp_path / "mine").read_text() == "mine"
 
 
-@posix
+@linux
 def test_links_modes_and_open_files_of_the_user_survive(tmp_path):
     folder = tmp_path / "report"
     write_folder(folder, OLD)
@@ -155,6 +209,21 @@ def test_links_modes_and_open_files_of_the_user_survive(tmp_path):
     assert (folder / "log").read_text() == "one\ntwo\n"
     assert (folder / "link").readlink() == Path("nowhere")
     assert folder.stat().st_mode & 0o777 == 0o750
+
+
+@linux
+def test_a_file_that_appears_at_the_last_moment_survives(tmp_path, monkeypatch):
+    folder = tmp_path / "report"
+    write_folder(folder, OLD)
+    exchange = documents._exchange
+
+    def late(new, old):
+        (old / "notes.txt").write_text("mine")
+        exchange(new, old)
+
+    monkeypatch.setattr(documents, "_exchange", late)
+    write_folder(folder, NEW, stale=["law.toml"])
+    assert seen(folder) == NEW | {"notes.txt": "mine"}
 
 
 def test_the_working_directory_keeps_its_place(tmp_path, monkeypatch):

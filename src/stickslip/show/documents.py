@@ -1,9 +1,11 @@
 """JSON documents, files that are read whole or hashed, and those written whole or not at all."""
 
 import contextlib
+import ctypes
 import dataclasses
 import enum
 import errno
+import glob
 import hashlib
 import json
 import math
@@ -28,6 +30,8 @@ from stickslip.errors import InputError
 SCHEMA_VERSION = 1
 LIST = ".stickslip"
 """File that lists what was written into a folder, with hashes."""
+ABANDONED = 3600.0
+"""Age from which a temporary folder is taken to be left by a process that was killed [s]."""
 YOUNG = 10.0
 """Age up to which a folder for temporary files may not have its lock yet [s]."""
 NOT_XML = (expat.ExpatError, LookupError, ValueError)
@@ -177,8 +181,10 @@ def write_folder(
     A list of the files with their hashes is kept beside them (`LIST`). Only files of this list that
     nobody has changed since are replaced or removed; all others in the folder stay as they are.
 
-    All new files are made before the old ones go, and the first is replaced in one step: who ends
-    the process between leaves some of the old files or some of the new, never both.
+    Where the operating system can exchange two folders in one step (Linux), the new folder is made
+    beside the old one and takes its place. Elsewhere, and in the working directory, where there is
+    no folder beside, the old files go before the new ones come, and the first is replaced in one
+    step: who ends the process between leaves some of the old files or some of the new, never both.
 
     Examples
     --------
@@ -199,13 +205,17 @@ def write_folder(
     after |= {name: [hashlib.sha256(data).hexdigest()] for name, data in contents.items()}
     try:
         target = folder.resolve()
-        target.mkdir(parents=True, exist_ok=True)
-        # Whenever it ends, what is there is on the list, and may be replaced the next time.
-        both = {name: before.get(name, []) + after.get(name, []) for name in before | after}
-        files_there = [(target / name, data) for name, data in contents.items()]
-        lists = [(target / LIST, _list(digests)) for digests in (both, after)]
-        stale_there = [target / name for name in (*list(contents)[1:], *gone)]
-        _write_each([lists[0], *files_there, lists[1]], before=1, gone=stale_there)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            _exchange_folder(target, {**contents, LIST: _list(after)}, gone)
+        except OSError:  # another system, a mount point, a file that cannot be linked, no room
+            target.mkdir(exist_ok=True)
+            # Whenever it ends, what is there is on the list, and may be replaced the next time.
+            both = {name: before.get(name, []) + after.get(name, []) for name in before | after}
+            files_there = [(target / name, data) for name, data in contents.items()]
+            lists = [(target / LIST, _list(digests)) for digests in (both, after)]
+            stale_there = [target / name for name in (*list(contents)[1:], *gone)]
+            _write_each([lists[0], *files_there, lists[1]], before=1, gone=stale_there)
     except OSError as error:
         raise unwritable(folder, error) from error
 
@@ -384,6 +394,64 @@ def _is_listed(path: Path, listed: Mapping[str, Collection[str]]) -> bool:
     return hashlib.sha256(path.read_bytes()).hexdigest() in listed[path.name]
 
 
+def _exchange_folder(folder: Path, contents: Mapping[str, bytes], gone: Collection[str]) -> None:
+    """Make a folder beside another with all that stays, and let it take its place in one step."""
+    if Path.cwd().is_relative_to(folder):
+        raise OSError(errno.EBUSY, "is the working directory")
+    _sweep_up(folder)
+    new = folder.with_name(f".{folder.name}.tmp-{secrets.token_hex(4)}")
+    new.mkdir()
+    try:
+        left_out = {*contents, *gone}
+        if folder.exists():
+            shutil.copystat(folder, new)
+
+            def ignored(where: str, names: list[str]) -> set[str]:
+                return left_out.intersection(names) if Path(where) == folder else set()
+
+            # Not copied but linked: who has a file open goes on writing to the same one.
+            shutil.copytree(
+                folder,
+                new,
+                symlinks=True,
+                ignore=ignored,
+                copy_function=os.link,
+                dirs_exist_ok=True,
+            )
+        for name, data in contents.items():
+            _write_new(new / name, data)
+        if folder.exists():
+            _exchange(new, folder)
+            for late in new.iterdir():  # now the old folder: what somebody has just put there
+                if late.name not in left_out and not os.path.lexists(folder / late.name):
+                    late.rename(folder / late.name)
+        else:
+            new.rename(folder)
+    except shutil.Error as error:  # of many files
+        raise OSError(errno.EIO, "a file cannot be linked") from error
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def _sweep_up(folder: Path) -> None:
+    """Remove what processes that were killed have left beside a folder."""
+    for left in folder.parent.glob(f".{glob.escape(folder.name)}.tmp-*"):
+        with contextlib.suppress(OSError):
+            if time.time() - left.stat().st_ctime > ABANDONED:
+                shutil.rmtree(left)
+
+
+def _exchange(path: Path, other: Path) -> None:
+    """Exchange two folders in one step, where the system can."""
+    libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
+    call = getattr(libc, "renameat2", None)
+    if call is None:
+        raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+    here, exchange = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of the Linux kernel
+    if call(here, os.fsencode(path), here, os.fsencode(other), exchange):
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+
+
 def _write_each(
     contents: Sequence[tuple[Path, bytes]], *, before: int, gone: Collection[Path]
 ) -> None:
@@ -434,14 +502,19 @@ def json_value(value: Any) -> Any:
 
 
 def _beside(path: Path, content: bytes) -> Path:
-    """Write a temporary file beside a path; leave none if that fails."""
+    """Write a temporary file beside a path."""
     temporary = path.with_name(f".{path.name[:100]}.tmp-{secrets.token_hex(4)}")
+    _write_new(temporary, content)
+    return temporary
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    """Write a file that is not there yet; leave none if that fails."""
     try:
-        with temporary.open("xb") as file:
+        with path.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
     except BaseException:
-        temporary.unlink(missing_ok=True)
+        path.unlink(missing_ok=True)
         raise
-    return temporary
