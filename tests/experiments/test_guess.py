@@ -233,6 +233,18 @@ def test_an_axis_that_turns_is_known_by_its_units(tmp_path, names, units, driven
     assert any("motor constant" in doubt for doubt in guess.doubts) == ("current" in driven)
 
 
+@pytest.mark.parametrize("axis", "xyz")
+def test_of_the_axes_of_a_sensor_that_which_moves_most_is_read(tmp_path, axis):
+    rate = np.gradient(X, T)
+    columns = [rate if name == axis else 0.01 * np.cos(9.0 * T) for name in "xyz"]
+    names = ",".join(f"Gyroscope {name} (rad/s)" for name in "xyz")
+    path = tmp_path / "swing.csv"
+    path.write_text(f"Time (s),{names}\n{rows((T, *columns), ',', points)}", "utf-8")
+    guess = guess_data(path)
+    assert guess.columns["velocity"] == f"Gyroscope {axis} (rad/s)"
+    assert any("which moves most" in doubt for doubt in guess.doubts)
+
+
 def test_friction_at_velocities_without_times_is_a_force_map(tmp_path):
     file = tmp_path / "map.csv"
     speed = np.linspace(-1, 1, 50)

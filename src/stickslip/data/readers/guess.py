@@ -670,7 +670,7 @@ def _by_kind(
     """
     taken = dict(given)
     offers = [
-        (match.score, -place, quantity, match)
+        (match.score, _spread(frame, match), -place, quantity, match)
         for place, name in enumerate(left)
         for quantity in quantities
         for offer in _offers(frame, name, quantity)
@@ -679,7 +679,7 @@ def _by_kind(
         ]
         if _is_of_kind(match, quantity, turning)
     ]
-    for _, _, quantity, match in sorted(offers, key=lambda offer: offer[:2], reverse=True):
+    for *_, quantity, match in sorted(offers, key=lambda offer: offer[:3], reverse=True):
         alike = quantity in taken and match.name != taken[quantity].name
         alike = alike and not _stays(frame, match)
         if alike and match.score == taken[quantity].score and quantity not in given:
@@ -690,6 +690,18 @@ def _by_kind(
             continue  # measured as well, but the force is what is wanted
         taken[quantity] = match
     return taken
+
+
+def _spread(frame: QuantityTable, candidate: Found) -> float:
+    """Return the standard deviation of a component, by which that is read which moves most.
+
+    Axes of a sensor are called alike: a pendulum turns about one of them. Others come before them.
+    """
+    parts = parts_of(candidate.name)
+    if len(parts) == 1 or len({"x", "y", "z"}.intersection(parts)) != 1:
+        return np.inf
+    numbers = _numbers(frame, candidate)
+    return float(np.std(numbers[np.isfinite(numbers)])) if np.isfinite(numbers).any() else 0.0
 
 
 def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
@@ -1606,10 +1618,11 @@ def _doubts(
     positions = _second_positions(frame, found)
     yield from positions.values()
     for quantity, item in found.items():
+        chosen = "comes first" if np.isinf(_spread(frame, item)) else "moves most"
         for other in (name for name in item.others if name not in positions):
             yield (
-                f"The column {other!r} may be the {quantity} as well as {item.name!r}, which comes"
-                " first."
+                f"The column {other!r} may be the {quantity} as well as {item.name!r}, which"
+                f" {chosen}."
             )
     yield from _left_out(frame, found)
     if "current" in found and not constant:
