@@ -94,6 +94,7 @@ FINDINGS: Mapping[str, str] = {
     "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
     "zone": "dead zone of the drive",
+    "flexible": "mass on a spring",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -772,6 +773,8 @@ class RecordProblem(Problem):
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
             elif name == "zone":
                 changes.append(b[0])
+            elif name == "flexible":
+                changes.append(b[0] * self.size)
             elif name == "drift":
                 ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
                 changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
@@ -815,6 +818,13 @@ class RecordProblem(Problem):
             return (
                 f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
                 " dead zone of the drive, or friction before the sensor."
+            )
+        if name == "flexible":
+            frequency, _, inertia = self.model.balance.mode
+            part = quantity(size * inertia, "kg m^2" if self.turning else "kg", 2)
+            return (
+                f"Of the inertia, {part} is on a spring, as behind a belt or a shaft: where its"
+                f" other end rests it swings with {quantity(frequency, 'Hz', 2)}."
             )
         what = {
             "place": "The level of friction changes with the place",
