@@ -67,6 +67,9 @@ BESIDE_MODE = (0.2, 0.5)
 """Standard deviations of the logarithms of frequency and damping ratio of a mass on a spring."""
 ABOUT_MODE = 0.1
 """Steps by which what they change is seen, over these."""
+SMOOTH = 5.0
+"""Frequencies of the position that such a mass feels, up to this over its own: above it, it rests,
+and would take nothing but the noise of accelerations from the balance."""
 SWINGS = 10
 """Pieces of records that may begin with a swing of that mass, at most."""
 TURNS = 60
@@ -814,13 +817,17 @@ class Balance:
         r"""Return the acceleration of a mass on a spring less that measured (n,) [m/s^2].
 
         The other end of the spring is where the position was measured: of its acceleration the
-        mass has a share of :math:`1 - s^2 / (s^2 + 2 \zeta \omega s + \omega^2)`. Both begin at
-        rest: else it swings as well (`swinging`).
+        mass has a share of :math:`1 - s^2 / (s^2 + 2 \zeta \omega s + \omega^2)`. Both begin with
+        the same velocity and the spring at rest: else it swings as well (`swinging`).
         """
         w, parts = 2.0 * math.pi * frequency, []
         for piece in self.pieces:
             b, a = bilinear([-1.0, 0.0, 0.0], [1.0, 2.0 * damping * w, w * w], 1.0 / piece.step)
-            parts.append(lfilter(b, a, piece.record.position - piece.record.position[0]))
+            filt, t = piece.filters[MIDDLE], piece.record.time
+            x = filt(
+                piece.record.position, bent=True, wider=SMOOTH * frequency / filt.band, full=True
+            )
+            parts.append(lfilter(b, a, x - x[0] - piece.velocity[0] * (t - t[0])))
         return self.rows(which).seen(parts, slope=2)
 
     def swinging(self, which: int, frequency: float, damping: float) -> Array:
