@@ -501,10 +501,10 @@ def test_a_mass_on_a_spring_lags_by_the_closed_form_but_for_its_first_swing() ->
     rows, mode = balance.rows(MIDDLE), (9.5, 0.04)
     columns = np.column_stack([balance.sprung(MIDDLE, *mode), balance.swinging(MIDDLE, *mode)])
     inner = (rows.time > 1.0) & (rows.time < 8.0)
-    size = np.sqrt(np.mean(exact**2))
     found = np.linalg.lstsq(columns[inner], rows.seen([exact])[inner], rcond=None)[0]
     assert found[0] == pytest.approx(1.0, abs=0.01)
-    assert columns[inner] @ found == pytest.approx(rows.seen([exact])[inner], abs=0.03 * size)
+    apart = columns[inner] @ found - rows.seen([exact])[inner]
+    assert np.sqrt(np.mean(apart**2)) < 0.01 * np.sqrt(np.mean(exact**2))
 
 
 @pytest.mark.parametrize(("mass", "frequency"), [(2.6, 8.8), (4.1, 19.0)])

@@ -63,10 +63,9 @@ RELAXING = (0.7, 1.0, 1.4)
 """Time constants of what relaxes, over the likeliest ..."""
 CONSTANTS = np.geomspace(0.01, 0.4, 41)
 """... of these, over the duration of the records; the middle one where an end is likeliest."""
-BESIDE_MODE = (0.2, 0.5)
-"""Standard deviations of the logarithms of frequency and damping ratio of a mass on a spring."""
-ABOUT_MODE = 0.1
-"""Steps by which what they change is seen, over these."""
+BESIDE_MODE = 0.1 * np.diag([0.2, 0.5])
+"""A tenth of the standard deviations of the logarithms of frequency and damping ratio of a mass on
+a spring, as steps by which is seen what they change."""
 SMOOTH = 5.0
 """Frequencies of the position that such a mass feels, up to this over its own: above it, it rests,
 and would take nothing but the noise of accelerations from the balance."""
@@ -599,11 +598,6 @@ class Balance:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(piece.record.force) for piece in self.pieces)
 
-    @property
-    def accelerated(self) -> bool:
-        """Whether a drive moves an inertia, of which some may be on a spring."""
-        return self.driven and (self.finds_inertia or self.inertia > 0.0)
-
     @cached_property
     def opposed(self) -> bool:
         """Whether a drive pushes against the motion, too: else a dead zone is a level."""
@@ -807,9 +801,9 @@ class Balance:
         """Return what an inertia on a spring changes, with its mode and swings (n, p)."""
         *mode, inertia = self.mode
         parts = [self.sprung(which, *mode)]
-        for step in ABOUT_MODE * np.diag(BESIDE_MODE):
+        for step in BESIDE_MODE:
             more, less = (self.sprung(which, *mode * np.exp(k * step)) for k in (1.0, -1.0))
-            parts.append((more - less) / (2.0 * ABOUT_MODE))
+            parts.append(5.0 * (more - less))
         rate = float(np.sqrt(np.mean(self._from.rows(MIDDLE).acceleration ** 2)))
         return inertia * np.column_stack([*parts, rate * self.swinging(which, *mode)])
 
@@ -823,19 +817,14 @@ class Balance:
         w, parts = 2.0 * math.pi * frequency, []
         for piece in self.pieces:
             b, a = bilinear([-1.0, 0.0, 0.0], [1.0, 2.0 * damping * w, w * w], 1.0 / piece.step)
-            filt, t = piece.filters[MIDDLE], piece.record.time
-            x = filt(
-                piece.record.position, bent=True, wider=SMOOTH * frequency / filt.band, full=True
-            )
+            q, t, filt = piece.record.position, piece.record.time, piece.filters[MIDDLE]
+            x = filt(q, bent=True, wider=SMOOTH * frequency / filt.band, full=True)
             parts.append(lfilter(b, a, x - x[0] - piece.velocity[0] * (t - t[0])))
         return self.rows(which).seen(parts, slope=2)
 
     def swinging(self, which: int, frequency: float, damping: float) -> Array:
-        """Return a free swing from the beginning of each of the first pieces (n, 2 p).
-
-        The filter changes nothing of it but its size.
-        """
-        rows = self.rows(which)
+        """Return a free swing from the beginning of each of the first pieces (n, 2 p)."""
+        rows = self.rows(which)  # the filter changes nothing of it but its size
         starts = np.array([piece.record.time[0] for piece in self.pieces])
         turning = 2.0 * math.pi * frequency * (1j * math.sqrt(1.0 - damping**2) - damping)
         swing = np.exp(turning * (rows.time - starts[rows.piece]))

@@ -9,9 +9,8 @@ At the rows :math:`i` of the filtered balance,
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
 (`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
-0. *Mode*: frequency and damping of a mass on a spring, behind a belt or a shaft, if a plain balance
-   makes one likelier than its prior. There are columns for its mass, which is not negative, for
-   what the mode is off by, and for the swing with which a piece begins.
+0. *Mode*: frequency and damping of a mass on a spring, if a plain balance makes one likelier than
+   its prior, as columns of its share of the inertia, of errors of the mode and of free swings.
 1. *Screen*: the bristles whose curve with the inertia leaves least.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
    state of the bristle and piece, with weights of a Student distribution; the share of rows that
@@ -110,13 +109,13 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place, and over the force of a spring, the last of one that may push away; of springs that
 relax; of the level and viscous friction of a twentieth of the record; of the pulse of a turn; of
-bristles of other lengths; the delay in samples; the dead zone of a drive; what a mass on a spring
-changes; the change with an e-fold of the load that is not in proportion, and with an input by its
-standard deviation; level and viscous friction of another run, and of one of a joint, in which is
-what its rigid body misses (first parts of records of two arms: .02 to .2 from run to run); noise
-over what the last round left, which a fit that follows the noise makes too small; errors of the
-inertia and of the forces that are given, over these, of which the last are wrong units. They say
-what a careful experimenter would expect."""
+bristles of other lengths; the delay in samples; the dead zone of a drive; the share of the inertia
+that is on a spring; the change with an e-fold of the load that is not in proportion, and with an
+input by its standard deviation; level and viscous friction of another run, and of one of a joint,
+in which is what its rigid body misses (first parts of records of two arms: .02 to .2 from run to
+run); noise over what the last round left, which a fit that follows the noise makes too small;
+errors of the inertia and of the forces that are given, over these, of which the last are wrong
+units. They say what a careful experimenter would expect."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
     "relaxing": 0, "stretch": 3,
@@ -656,15 +655,14 @@ class RecordModel(Model):
         frequencies = frequencies[frequencies < longest.cutoff]
         every = np.hstack([self._bare("force"), balance.delayed(MIDDLE, RIGID)[:, None]])
         seen = np.flatnonzero(rows.far > RESOLVED)
-        if len(seen) < max(FEW, 2 * every.shape[1]) or not len(frequencies):
+        plain = solved_softly(every, rows.response)[0]
+        inertia = abs(float(plain[-2])) if balance.finds_inertia else balance.inertia
+        few = len(seen) < max(FEW, 2 * every.shape[1]) or not len(frequencies)
+        if few or not (balance.driven and inertia > 0.0):
             return ()
-        inertia = balance.inertia
-        if balance.finds_inertia:
-            inertia = abs(float(solved_softly(every, rows.response)[0][-2]))
         basis = np.linalg.qr(every[seen])[0]
         e = rows.response[seen] - basis @ (basis.T @ rows.response[seen])
-        far = FARTHEST * float(np.median(np.abs(e)))
-        e = np.clip(e, -far, far)
+        e = np.clip(e, *FARTHEST * float(np.median(np.abs(e))) * np.array([-1.0, 1.0]))
 
         def gain(logarithms: Array) -> float:
             """Return the logarithm of what a mass gains beside the swings of its mode."""
@@ -692,7 +690,7 @@ class RecordModel(Model):
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
-        balance.mode = self._mode() if balance.accelerated else ()  # as forces act now
+        balance.mode = self._mode()  # as forces act now
         self.names = tuple(name for name in SCALES if self._acts(name))
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]

@@ -771,10 +771,8 @@ class RecordProblem(Problem):
             b = model.split(draw.node, draw.random)[name]
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
-            elif name == "zone":
-                changes.append(b[0])
-            elif name == "flexible":
-                changes.append(b[0] * self.size)
+            elif name in ("zone", "flexible"):
+                changes.append(b[0] * (self.size if name == "flexible" else 1.0))
             elif name == "drift":
                 ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
                 changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
