@@ -922,17 +922,6 @@ class RecordProblem(Problem):
         what = f"{what}: the drive saturates."
         return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
 
-    def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
-        """Return by how many samples the force acts late, and the half width of its interval.
-
-        It is 0 where the force goes straight to the next sample, and 0.5 where it holds until it.
-        """
-        if "delay" not in self.model.names:
-            return math.nan, math.inf
-        late = self._late(draws) / self.model.balance.pieces[0].sample
-        low, middle, high = np.quantile(late, (0.025, 0.5, 0.975)).tolist()
-        return middle, 0.5 * (high - low)
-
     def _late(self, draws: Sequence[Draws]) -> Array:
         """Return draws of how much later the force acts than recorded (n,) [s]."""
         model = self.model
