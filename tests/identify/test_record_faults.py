@@ -482,6 +482,49 @@ def test_a_dead_zone_that_no_acceleration_shows_is_said_not_to_be_told_from_the_
     assert any("dead zone of the drive" in one for one in judgement.problem.untold())
 
 
+def sprung(mass: float, frequency: float, damping: float) -> tuple[Record, Array]:
+    """Return an axis of 6.3 kg in full motion with some of it on a spring, and how that lags."""
+    t, rng = np.arange(0.0, 9.0, 0.002), np.random.default_rng(17)
+    w, slow = 2.0 * math.pi * frequency, 2.0 * math.pi * np.array([0.45, 1.6, 3.7, 5.9])
+    waves = np.array([0.05, 0.014, 0.002, 0.0012]) * np.exp(1j * (np.outer(t, slow) + slow))
+    lag = slow**2 / (w * w + 2j * damping * w * slow - slow**2)
+    v, a = (waves * 1j * slow).sum(axis=1).imag, -(waves * slow**2).sum(axis=1).imag
+    more = -(waves * slow**2 * lag).sum(axis=1).imag
+    force = 6.3 * a + mass * more + 11.0 * np.sign(v) + 33.0 * v + 0.2 * rng.normal(size=len(t))
+    position = waves.sum(axis=1).imag + 1e-6 * rng.normal(size=len(t))
+    return Record(time=t, position=position, force=force), more
+
+
+def test_a_mass_on_a_spring_lags_by_the_closed_form_but_for_its_first_swing() -> None:
+    record, exact = sprung(2.0, 9.5, 0.04)
+    balance = Balance([record])
+    rows, mode = balance.rows(MIDDLE), (9.5, 0.04)
+    columns = np.column_stack([balance.sprung(MIDDLE, *mode), balance.swinging(MIDDLE, *mode)])
+    inner = (rows.time > 1.0) & (rows.time < 8.0)
+    found = np.linalg.lstsq(columns[inner], rows.seen([exact])[inner], rcond=None)[0]
+    assert found[0] == pytest.approx(1.0, abs=0.01)
+    apart = columns[inner] @ found - rows.seen([exact])[inner]
+    assert np.sqrt(np.mean(apart**2)) < 0.01 * np.sqrt(np.mean(exact**2))
+
+
+@pytest.mark.parametrize(("mass", "frequency"), [(2.6, 8.8), (4.1, 19.0)])
+def test_inertia_and_friction_hold_beside_a_mass_on_a_spring(mass: float, frequency: float) -> None:
+    judgement = judged(sprung(mass, frequency, 0.03)[0])
+    assert values(judgement)["inertia"] == pytest.approx(6.3, rel=5e-3)
+    assert values(judgement)["kinetic_coefficient"] == pytest.approx(11.0, rel=0.01)
+    assert values(judgement)["viscous_coefficient"] == pytest.approx(33.0, rel=0.01)
+    inertia = next(one for one in judgement.intervals if one.path == "inertia")
+    assert inertia.high - inertia.low < 0.02 * 6.3
+    (flexible,) = (item for item in judgement.findings if item.term == "flexible")
+    assert flexible.asserted
+    assert "on a spring" in flexible.sentence
+
+
+def test_a_stiff_axis_has_no_mass_on_a_spring() -> None:
+    assert RecordProblem([driven()]).model.balance.mode == ()
+    assert RecordProblem([sprung(0.0, 12.0, 0.03)[0]]).model.balance.mode == ()
+
+
 def test_a_part_of_the_level_that_no_load_changes_is_told() -> None:
     record = driven()
     load = 10.0 + 6.0 * np.sin(0.9 * record.time)

@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.signal import lfilter
+from scipy.signal import bilinear, lfilter
 
 from stickslip.errors import InputError
 from stickslip.identify.forces import TRANSMITTED
@@ -63,6 +63,14 @@ RELAXING = (0.7, 1.0, 1.4)
 """Time constants of what relaxes, over the likeliest ..."""
 CONSTANTS = np.geomspace(0.01, 0.4, 41)
 """... of these, over the duration of the records; the middle one where an end is likeliest."""
+BESIDE_MODE = 0.1 * np.diag([0.2, 0.5])
+"""A tenth of the standard deviations of the logarithms of frequency and damping ratio of a mass on
+a spring, as steps by which is seen what they change."""
+SMOOTH = 5.0
+"""Frequencies of the position that such a mass feels, up to this over its own: above it, it rests,
+and would take nothing but the noise of accelerations from the balance."""
+SWINGS = 10
+"""Pieces of records that may begin with a swing of that mass, at most."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
 PULSE = 6.0
@@ -345,6 +353,9 @@ class Balance:
         """Wave numbers of forces and of levels over the place [1/m]."""
         self.relaxation: float = like.relaxation if like else float(CONSTANTS[20])
         """Likeliest time constant of what relaxes, over the duration of the records."""
+        self.mode: tuple[float, ...] = like.mode if like else ()
+        """Frequency [Hz] and damping ratio of an inertia on a spring, where one is likely, with all
+        inertia [kg]."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
         self._seen: dict[tuple[int, int], tuple[Memory, dict[str, Array], dict[Column, Array]]] = {}
 
@@ -567,6 +578,8 @@ class Balance:
         if not self.measured:
             shares = self.relaxation * np.array(RELAXING)
             result["relaxing"] = rows.seen([self.relaxing(p, shares) for p in pieces])
+        if self.mode:
+            result["flexible"] = self._on_spring(which)
         if self.opposed:
             result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
         if math.isfinite(self.limit):  # what an error of the limit changes
@@ -783,6 +796,41 @@ class Balance:
         if records[0].joint:
             return {"body": result.get("both", sum(result.values(), np.zeros(rows.count)))}
         return result
+
+    def _on_spring(self, which: int) -> Array:
+        """Return what an inertia on a spring changes, with its mode and swings (n, p)."""
+        *mode, inertia = self.mode
+        parts = [self.sprung(which, *mode)]
+        for step in BESIDE_MODE:
+            more, less = (self.sprung(which, *mode * np.exp(k * step)) for k in (1.0, -1.0))
+            parts.append(5.0 * (more - less))
+        rate = float(np.sqrt(np.mean(self._from.rows(MIDDLE).acceleration ** 2)))
+        return inertia * np.column_stack([*parts, rate * self.swinging(which, *mode)])
+
+    def sprung(self, which: int, frequency: float, damping: float) -> Array:
+        r"""Return the acceleration of a mass on a spring less that measured (n,) [m/s^2].
+
+        The other end of the spring is where the position was measured: of its acceleration the
+        mass has a share of :math:`1 - s^2 / (s^2 + 2 \zeta \omega s + \omega^2)`. Both begin with
+        the same velocity and the spring at rest: else it swings as well (`swinging`).
+        """
+        w, parts = 2.0 * math.pi * frequency, []
+        for piece in self.pieces:
+            b, a = bilinear([-1.0, 0.0, 0.0], [1.0, 2.0 * damping * w, w * w], 1.0 / piece.step)
+            q, t, filt = piece.record.position, piece.record.time, piece.filters[MIDDLE]
+            x = filt(q, bent=True, wider=SMOOTH * frequency / filt.band, full=True)
+            parts.append(lfilter(b, a, x - x[0] - piece.velocity[0] * (t - t[0])))
+        return self.rows(which).seen(parts, slope=2)
+
+    def swinging(self, which: int, frequency: float, damping: float) -> Array:
+        """Return a free swing from the beginning of each of the first pieces (n, 2 p)."""
+        rows = self.rows(which)  # the filter changes nothing of it but its size
+        starts = np.array([piece.record.time[0] for piece in self.pieces])
+        turning = 2.0 * math.pi * frequency * (1j * math.sqrt(1.0 - damping**2) - damping)
+        swing = np.exp(turning * (rows.time - starts[rows.piece]))
+        first = np.arange(min(len(starts), SWINGS))
+        each = (rows.piece[:, None] == first) * swing[:, None]
+        return np.hstack([each.real, each.imag])
 
     def forces(self, position: Array) -> Array:
         """Return the basis of a force that changes with the place (n, p).

@@ -9,6 +9,8 @@ At the rows :math:`i` of the filtered balance,
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
 (`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
+0. *Mode*: frequency and damping of a mass on a spring, if a plain balance makes one likelier than
+   its prior, as columns of its share of the inertia, of errors of the mode and of free swings.
 1. *Screen*: the bristles whose curve with the inertia leaves least.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
    state of the bristle and piece, with weights of a Student distribution; the share of rows that
@@ -94,6 +96,7 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
     "zone": ((0.0005, 0.03, 0.1, 0.4), (0.9, 0.05, 0.03, 0.02)),
+    "flexible": ((0.0005, 0.1, 0.5), (0.95, 0.025, 0.025)),
     "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "push": ((0.003, 0.05, 0.3), (0.7, 0.2, 0.1)),
@@ -106,18 +109,18 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place, and over the force of a spring, the last of one that may push away; of springs that
 relax; of the level and viscous friction of a twentieth of the record; of the pulse of a turn; of
-bristles of other lengths; the delay in samples; the dead zone of a drive; the change with an e-fold
-of the load that is not in proportion, and with an input by its standard deviation; level and
-viscous friction of another run, and of one of a joint, in which is what its rigid body misses
-(first parts of records of two arms: .02 to .2 from run to run); noise over what the last round
-left, which a fit that follows the noise makes too small; errors of the inertia and of the forces
-that are given, over these, of which the last are wrong units. They say what a careful experimenter
-would expect."""
+bristles of other lengths; the delay in samples; the dead zone of a drive; the share of the inertia
+that is on a spring; the change with an e-fold of the load that is not in proportion, and with an
+input by its standard deviation; level and viscous friction of another run, and of one of a joint,
+in which is what its rigid body misses (first parts of records of two arms: .02 to .2 from run to
+run); noise over what the last round left, which a fit that follows the noise makes too small;
+errors of the inertia and of the forces that are given, over these, of which the last are wrong
+units. They say what a careful experimenter would expect."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
     "relaxing": 0, "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "zone": 0, "load": 1, "input": 1, "push": 0, "run": 1,
-    "noise": 1, "given": 1,
+    "turn": 3, "others": 1, "delay": 0, "zone": 0, "flexible": 0, "load": 1, "input": 1,
+    "push": 0, "run": 1, "noise": 1, "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
@@ -222,6 +225,10 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
+MODES, BEYOND, STIFF, DAMPINGS, DAMPED = 33, 1.3, 5.0, (0.02, 0.1), 0.15
+"""Frequencies of a mass on a spring that are looked at, over the highest of the motion: below it,
+other joints pass for such a mass; far above, it goes along within 1/25. And damping ratios, the
+last the largest of a spring: what is damped more passes for a force that is late."""
 LIMITS = np.geomspace(0.2, 0.95, 16)
 """Limits of the force that are looked at, over the largest."""
 FINER = 5
@@ -242,7 +249,7 @@ FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, not distinguished from a damping that is looked for."""
 ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
 """Scales of what changes along a record."""
-BESIDE = ("spring", "relaxing", "zone", "drift", "place", "force", "others")
+BESIDE = ("spring", "relaxing", "zone", "flexible", "drift", "place", "force", "others")
 """Scales of what may stand for another: each is compared with the best without it."""
 PUSHED = {"push": 2, "input": 2}
 """Where an input moves a constant force and friction by much."""
@@ -318,13 +325,13 @@ class RecordModel(Model):
     ) -> None:
         self.balance, self.timed = Balance(records, highest=highest), timed
         self.frame = self.balance.frame
-        self.names = tuple(name for name in SCALES if self._acts(name))
-        """Scales of sizes that act in these records."""
         known = usual_families(self.frame) if families is None else [*families]
         if self.balance.dampings:  # which viscous friction would be
             known = [item for item in known if not FLOWING & {*item}] or known
         self.families: list[Family] = [*dict.fromkeys(known)]
         """Families of laws that are compared beside none."""
+        self.names: tuple[str, ...] = ()
+        """Scales of sizes that act in these records."""
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self.memories: list[Memory] = []
@@ -413,6 +420,7 @@ class RecordModel(Model):
             "turn": balance.turned,
             "relaxing": not balance.measured,
             "zone": balance.opposed,
+            "flexible": bool(balance.mode),
             "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,
@@ -457,15 +465,17 @@ class RecordModel(Model):
         )
 
     def _positive(self, node: Node) -> tuple[int, ...]:
-        """Return the columns whose coefficients are not negative: dead zones and most springs.
+        """Return the columns whose coefficients are not negative.
 
-        Where they are no more than noise, they may have either sign, and the last size of a spring.
+        They are dead zones, masses on springs and most springs. Where they are no more than noise,
+        they may have either sign, and the last size of a spring.
         """
         places, result = self.design(*self.key(node)).places, list[int]()
-        for name, group, signs in (("zone", "zone", (0,)), ("spring", "force", (0, 3))):
+        alone = ((name, name, (0,)) for name in ("zone", "flexible"))
+        for name, group, signs in (*alone, ("spring", "force", (0, 3))):
             if name in self.names and node[self.names.index(name)] not in signs:
                 columns = places[group]
-                result += range(columns.start if group == name else columns.stop - 1, columns.stop)
+                result.append(columns.start if group == name else columns.stop - 1)
         return tuple(result)
 
     def _volume(self, node: Node) -> float:
@@ -581,7 +591,7 @@ class RecordModel(Model):
                     positive = unknown.given > 0.0 and unknown.given + unknown.limits[0] >= 0.0
                     far = unknown.given if positive else np.maximum(abs(unknown.given), usual)
                     result[at] = SETTLED * far
-            elif name == "given":
+            elif name in ("given", "flexible"):
                 result[at] = self.at(node, name)
             elif name == "delay":
                 result[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
@@ -618,23 +628,76 @@ class RecordModel(Model):
 
     def _left_plainly(self) -> float:
         """Return the mean square that a balance with a curve of the velocity leaves."""
+        left = solved_softly(self._bare("relaxing"), self.balance.rows(MIDDLE).response)[1]
+        return capped(left, FARTHEST)
+
+    def _bare(self, *further: str) -> Array:
+        """Return the columns of a balance with a curve of the velocity, and further ones (n, p)."""
         balance, rows = self.balance, self.balance.rows(MIDDLE)
         plain = balance.fixed(MIDDLE)
-        names = [name for name in plain if name not in ("force", "zero")]
+        without = {"force", "zero", "relaxing", "flexible"} - {*further}
+        names = [name for name in plain if name not in without]
         curve = []
         for piece, state in zip(balance.pieces, balance.states(RIGID), strict=True):
             z = (state * balance.load(piece))[:, None]
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
-        x = np.hstack([rows.seen(curve), *(plain[name] for name in names)])
-        return capped(solved_softly(x, rows.response)[1], FARTHEST)
+        return np.hstack([rows.seen(curve), *(plain[name] for name in names)])
+
+    def _mode(self) -> tuple[float, ...]:
+        """Return frequency [Hz] and damping ratio of a mass on a spring, if likely, with all mass.
+
+        The mass is above 0 and at most the inertia. Beside it stand a curve of the velocity, forces
+        by place and a linear delay.
+        """
+        balance, rows = self.balance, self.balance.rows(MIDDLE)
+        longest = max(balance.pieces, key=lambda piece: len(piece.velocity))
+        frequencies = longest.highest_frequency * np.geomspace(BEYOND, STIFF, MODES)
+        frequencies = frequencies[frequencies < longest.cutoff]
+        every = np.hstack([self._bare("force"), balance.delayed(MIDDLE, RIGID)[:, None]])
+        seen = np.flatnonzero(rows.far > RESOLVED)
+        plain = solved_softly(every, rows.response)[0]
+        inertia = abs(float(plain[-2])) if balance.finds_inertia else balance.inertia
+        few = len(seen) < max(FEW, 2 * every.shape[1]) or not len(frequencies)
+        if few or not (balance.driven and inertia > 0.0):
+            return ()
+        basis = np.linalg.qr(every[seen])[0]
+        e = rows.response[seen] - basis @ (basis.T @ rows.response[seen])
+        e = np.clip(e, *FARTHEST * float(np.median(np.abs(e))) * np.array([-1.0, 1.0]))
+
+        def gain(logarithms: Array) -> float:
+            """Return the logarithm of what a mass gains beside the swings of its mode."""
+            mode = np.exp(logarithms)
+            both = [balance.swinging(MIDDLE, *mode), balance.sprung(MIDDLE, *mode)]
+            columns = np.column_stack(both)[seen]
+            apart, sizes = np.linalg.qr(columns - basis @ (basis.T @ columns))
+            *swings, least = (apart.T @ e).tolist()
+            most = inertia * float(sizes[-1, -1])
+            taken = min(max(least * float(np.sign(most)), 0.0), abs(most))
+            share = taken * (2.0 * abs(least) - taken) / (e @ e - sum(x * x for x in swings))
+            return -0.5 * KAPPA * len(e) * math.log(max(1.0 - share, TINY))
+
+        looked = np.log([*product(frequencies, DAMPINGS)])
+        mode = max(looked, key=gain)
+        if gain(mode) < math.log(len(looked) / OTHERWISE):
+            return ()
+        step = np.array([math.log(STIFF / BEYOND) / MODES, 1.0])
+        for _ in range(2 * FINER):
+            step = 0.6 * step
+            mode = max((mode + step * way for way in product((-1, 0, 1), repeat=2)), key=gain)
+        frequency, damping = np.exp(mode).tolist()
+        return (frequency, damping, inertia) if damping < DAMPED else ()
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
+        balance.mode = self._mode()  # as forces act now
+        self.names = tuple(name for name in SCALES if self._acts(name))
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
         base = [plain["slope"], rows.seen(drag)[:, None]]
+        if balance.mode:
+            base.append(plain["flexible"])
         if balance.pulled and not balance.controlled:
             base.append(plain["force"][:, -1:])
         base += [plain[name] for name in names]  # the inertia is the last
@@ -840,7 +903,7 @@ class RecordModel(Model):
         """
         most = {name: len(SCALES[name][0]) - 1 for name in self.names}
         result, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
-        for other in (still, {"relaxing": 2}, {"zone": 3}, WRONG, PUSHED):
+        for other in (still, {"relaxing": 2}, {"zone": 3}, {"flexible": 2}, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
             result += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
         return result

@@ -81,6 +81,8 @@ SIGMA = 1.4826
 """Standard deviation over the median size, of normal noise."""
 TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
+POWER = 0.999
+"""Share of the power of velocities up to the highest frequency of a motion."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
 ALONG = 3.0
@@ -412,6 +414,13 @@ class Piece:
     def velocity(self) -> Array:
         """Velocities (n,) [m/s]."""
         return velocity_of(self.record, self.filters[MIDDLE], self.wider)
+
+    @cached_property
+    def highest_frequency(self) -> float:
+        """Frequency up to which nearly all power of the velocity lies [Hz]."""
+        power = np.abs(np.fft.rfft(self.velocity * np.hanning(len(self.velocity)))) ** 2
+        share = np.cumsum(power) / (np.sum(power) + 1e-300)
+        return float(np.searchsorted(share, POWER)) / (len(self.velocity) * self.step)
 
     @cached_property
     def acceleration(self) -> Array:

@@ -94,6 +94,7 @@ FINDINGS: Mapping[str, str] = {
     "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
     "zone": "dead zone of the drive",
+    "flexible": "mass on a spring",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -770,8 +771,8 @@ class RecordProblem(Problem):
             b = model.split(draw.node, draw.random)[name]
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
-            elif name == "zone":
-                changes.append(b[0])
+            elif name in ("zone", "flexible"):
+                changes.append(b[0] * (self.size if name == "flexible" else 1.0))
             elif name == "drift":
                 ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
                 changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
@@ -815,6 +816,13 @@ class RecordProblem(Problem):
             return (
                 f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
                 " dead zone of the drive, or friction before the sensor."
+            )
+        if name == "flexible":
+            frequency, _, inertia = self.model.balance.mode
+            part = quantity(size * inertia, "kg m^2" if self.turning else "kg", 2)
+            return (
+                f"Of the inertia, {part} is on a spring, as behind a belt or a shaft: where its"
+                f" other end rests it swings with {quantity(frequency, 'Hz', 2)}."
             )
         what = {
             "place": "The level of friction changes with the place",
@@ -913,17 +921,6 @@ class RecordProblem(Problem):
         what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
         what = f"{what}: the drive saturates."
         return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
-
-    def lateness(self, draws: Sequence[Draws]) -> tuple[float, float]:
-        """Return by how many samples the force acts late, and the half width of its interval.
-
-        It is 0 where the force goes straight to the next sample, and 0.5 where it holds until it.
-        """
-        if "delay" not in self.model.names:
-            return math.nan, math.inf
-        late = self._late(draws) / self.model.balance.pieces[0].sample
-        low, middle, high = np.quantile(late, (0.025, 0.5, 0.975)).tolist()
-        return middle, 0.5 * (high - low)
 
     def _late(self, draws: Sequence[Draws]) -> Array:
         """Return draws of how much later the force acts than recorded (n,) [s]."""
