@@ -43,7 +43,14 @@ PER_TRAVEL = "energy per travel"
 """Column of the positive work of the drives over the travel."""
 GROUND = "ground"
 """Drive that moves the ground and not the mechanism."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # long steps of exact modes need so many
+_LEGENDRE = np.polynomial.legendre
+_NODES, _WEIGHTS = _LEGENDRE.leggauss(12)  # long steps of exact modes need so many
+# Of Legendre series of as many terms: coefficients from values at the nodes, the integral, and the
+# companion matrix but for its last column, in which a series stands over its last coefficient.
+_SERIES = np.linalg.inv(_LEGENDRE.legvander(_NODES, len(_NODES) - 1))
+_INTEGRAL = _LEGENDRE.legint(np.eye(len(_NODES)))
+_COMPANION = _LEGENDRE.legcompanion([0.0] * (len(_NODES) - 1) + [1.0])
+_SHARES = -(_LEGENDRE.legcompanion([1.0] * len(_NODES)) - _COMPANION)[:, -1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -231,14 +238,20 @@ def _positive(power: Array) -> Array:
     Where its sign changes, the polynomial through the nodes is integrated between its roots.
     """
     result: Array = np.maximum(power, 0.0) @ _WEIGHTS
-    for cell in np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0)):
-        series = np.polynomial.Legendre.fit(
-            _NODES, power[cell], len(_NODES) - 1, domain=[-1.0, 1.0]
-        )
-        roots = series.roots()
-        real = roots.real[(np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) < 1.0)]
-        ends = np.concatenate([[-1.0], np.sort(real), [1.0]])
-        result[cell] = np.maximum(np.diff(series.integ()(ends)), 0.0).sum()
+    cells = np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0))
+    series = power[cells] @ _SERIES.T
+    last = series[:, -1:]
+    least = np.finfo(float).eps * np.abs(series).max(axis=1, keepdims=True)
+    matrix = np.repeat(_COMPANION[None], len(cells), axis=0)
+    matrix[:, :, -1] -= series[:, :-1] / np.where(np.abs(last) < least, least, last) * _SHARES
+    # turned round: eigenvalues of a matrix graded upwards have smaller errors
+    roots = np.linalg.eigvals(matrix[:, ::-1, ::-1])
+    real = (np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) < 1.0)
+    edge = np.ones((len(cells), 1))
+    # what is no root within the cell ends it, after which nothing is left
+    ends = np.hstack([-edge, np.sort(np.where(real, roots.real, 1.0), axis=1), edge])
+    grown = (_LEGENDRE.legvander(ends, series.shape[1]) @ (series @ _INTEGRAL.T)[..., None])[..., 0]
+    result[cells] = np.maximum(np.diff(grown, axis=1), 0.0).sum(axis=1)
     return result
 
 
