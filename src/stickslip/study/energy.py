@@ -8,7 +8,8 @@ With kinetic and potential energy E of the states,
    rule with 12 nodes, of degree 23.
 2. A drive's force in a coordinate is the generalised force with the drives less that without; of a
    prescribed motion, it is the effort of the guide. Moved supports count as drives: their power is
-   dV/dt at rest of all coordinates.
+   dV/dt at rest of all coordinates. All forces of a mechanism with a controller in its equations
+   are those of its loop.
 3. What other forces do against the motion is taken by dampers, those of soft stops included.
 4. An impact takes what the energy falls by at that instant.
 
@@ -166,8 +167,8 @@ def energy_balance(
     Raises
     ------
     InputError
-        If the times are not within the run, or a drive is a voltage or the loop of a `PIDAxis`,
-        whose force depends on the motion.
+        If the times are not within the run, or a drive is a voltage, whose force depends on the
+        motion.
 
     Examples
     --------
@@ -269,11 +270,6 @@ def columns_of(mechanism: Mechanism) -> tuple[str, ...]:
             f"energy_balance: the force of the electric motor of {type(mechanism).__name__} depends"
             " on the motion, too, so that its work is not known apart."
         )
-    if mechanism.computed:
-        raise InputError(
-            f"energy_balance: the loop of {type(mechanism).__name__} is part of its equations, so"
-            " that its work is not known apart. For energies, control an Axis by `closed_loop`."
-        )
     rubs = (f"friction {contact.name}".strip() for contact in mechanism.contacts())
     return (*(f"power {name}" for name in ("drive", *rubs, "dampers", "stops")), PER_TRAVEL)
 
@@ -323,6 +319,7 @@ def _times(
 
 def _energy(mechanism: Mechanism, seen: Trajectory) -> Array:
     q, q_dot = _motion(mechanism, seen)
+    q_dot |= dict.fromkeys(mechanism.computed, np.zeros_like(seen.t))
     energy = mechanism.kinetic_energy(q, q_dot) + mechanism.potential_energy(seen.t, q)
     return np.asarray(energy + 0.0 * seen.t, dtype=np.float64)
 
@@ -351,9 +348,12 @@ def _powers(mechanism: Mechanism, seen: Trajectory, step: float) -> dict[str, di
     others = {
         name: (force - (0.0 if name in guided else efforts.get(name, 0.0))) * q_dot[name]
         for name, force in forces.items()
-        if name in mechanism.coordinates
+        if name in mechanism.coordinates and name not in mechanism.computed
     }
     driven: dict[str, Scalar] = {name: effort * q_dot[name] for name, effort in efforts.items()}
+    if mechanism.computed:  # all that acts is its loop, with the drives in it
+        driven |= {name: forces[name] * q_dot[name] for name in others}
+        others = {}
     if isinstance(mechanism, MatrixMechanism):  # whose forces are those of inertia, too
         total = mechanism.power(seen.t, q, q_dot, drives)
         if total is None:
