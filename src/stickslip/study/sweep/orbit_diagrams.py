@@ -49,6 +49,7 @@ from stickslip.study.sweep.parameter_grid import (
     counted,
     early_ends,
     pair_of,
+    runs_of,
     states_of,
     unit_of,
     where_of,
@@ -70,7 +71,6 @@ from stickslip.study.sweep.continuation import (
     Point,
     between_of,
     check_step,
-    runs_of,
     units_of,
     within,
 )
