@@ -43,11 +43,7 @@ HELD = Axis(
     drive=Sine(amplitude=3.0, frequency=1.3) + Feedback(state="v", gain=-0.4, reference=0.1)
     + Relay(state="x", above=-1.0, below=1.0, level=0.01),
 )  # fmt: skip
-RIGS = {
-    name: rig
-    for name, rig in SHOWN.items()
-    if not has_electric_motor(rig) and not rig.computed  # whose books hold numbers of a controller
-}
+RIGS = {name: rig for name, rig in SHOWN.items() if not has_electric_motor(rig)}
 
 
 @pytest.mark.parametrize(

@@ -264,10 +264,9 @@ def fall_in(w: Vector, first: int, degree: int, at: int) -> float:
 
 def first_fall(w: Vector, degree: int) -> float:
     """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE."""
-    total = 0.0
+    total, first = 0.0, 0
     for k in range(degree + 1):
         total += abs(w[layout.POLYNOMIAL + k])
-    first = 0
     while first <= degree and abs(w[layout.POLYNOMIAL + first]) <= ROUNDED * total:
         first += 1
     if first > degree:
