@@ -28,6 +28,7 @@ from stickslip import (
     Measurement,
     Pendulum,
     PendulumCart,
+    PIDAxis,
     SpringBlock,
     TowedBlock,
     TwoFeet,
@@ -316,6 +317,16 @@ two_mass_axes = st.builds(
     load=decade(0, 1.5),
     offset=st.just(0.0) | nearly(-1, 1),
 )
+pid_axes = st.builds(
+    PIDAxis,
+    inertia=decade(-1, 1),
+    proportional=decade(0, 2),
+    integral=decade(0, 2),
+    derivative=st.just(0.0) | nearly(0, 2),
+    reference=nearly(-1, 1),
+    drive=st.none() | drives,
+    load=decade(0, 1.5),
+)
 swings = st.builds(
     ThreePhase, amplitude=nearly(0.1, 1.0), fast=decade(1, 2), slow=decade(0, 1),
     first=st.sampled_from(["fast", "slow"]),
@@ -451,6 +462,7 @@ SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
 """Random mechanisms of lengths and forces alone that stay on the ground, by registry name."""
 RIGS: Mapping[str, st.SearchStrategy[Any]] = {
     **SLIDERS,
+    "pid-axis": pid_axes,
     "pendulum": pendulums,
     "pendulum-cart": pendulum_carts,
     "capsule": capsules,
@@ -473,6 +485,10 @@ EXAMPLES: Mapping[str, Mechanism] = {
     "axis": Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0), stiffness=3.0, damping=0.2),
     "two-mass-axis": TwoMassAxis(
         motor_inertia=0.5, load_inertia=1.5, stiffness=200.0, damping=0.5,
+        drive=Pulse(level=5.0, duration=0.7),
+    ),
+    "pid-axis": PIDAxis(
+        inertia=1.0, proportional=100.0, integral=300.0, derivative=20.0, reference=0.1,
         drive=Pulse(level=5.0, duration=0.7),
     ),
     "pendulum": Pendulum(

@@ -77,6 +77,7 @@ from stickslip.mechanisms import BlockChain as BlockChain
 from stickslip.mechanisms import Capsule as Capsule
 from stickslip.mechanisms import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms import Mechanism as Mechanism
+from stickslip.mechanisms import PIDAxis as PIDAxis
 from stickslip.mechanisms import Pendulum as Pendulum
 from stickslip.mechanisms import PendulumCart as PendulumCart
 from stickslip.mechanisms import Robot as Robot
@@ -133,6 +134,7 @@ __all__ = [
     "MaxwellSlip",
     "Measurement",
     "Mechanism",
+    "PIDAxis",
     "Pendulum",
     "PendulumCart",
     "PoppStelter",

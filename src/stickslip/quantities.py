@@ -1106,6 +1106,8 @@ TURNED = {
     "N s^2/m^2": "N m s^2/rad^2",
     "1/m": "1/rad",
     "N/s": "N m/s",
+    "N s": "N m s",
+    "N/(m s)": "N m/(rad s)",
     "N/K": "N m/K",
     "s/m": "s/rad",
     "1/N": "1/N/m",

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Final
 
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 
 if TYPE_CHECKING:
     import pint
@@ -338,3 +338,51 @@ def is_unit(text: str) -> bool:
         return _one(text) is not None
     except ParameterError:
         return is_pixel(text)
+
+
+_SI_FACTOR = re.compile(r"(?P<name>[A-Za-z]+|1)(?:\^(?P<power>\d+))?")
+
+
+def powers_in(unit: str) -> dict[str, int]:
+    """Return the powers of the units that stand in a unit, in their order.
+
+    Examples
+    --------
+    >>> powers_in("N m/(rad s^2)")
+    {'N': 1, 'm': 1, 'rad': -1, 's': -2}
+    """
+    result: dict[str, int] = {}
+    above, *below = unit.split("/")
+    sides = [(above, 1), *((key.removeprefix("(").removesuffix(")"), -1) for key in below)]
+    for side, sign in sides:
+        for factor in side.split():
+            parsed = _SI_FACTOR.fullmatch(factor)
+            if parsed is None:
+                raise InputError(f"the unit {unit!r} has {factor!r}, which is no unit.")
+            name = parsed["name"]
+            result[name] = result.get(name, 0) + sign * int(parsed["power"] or 1)
+    return result
+
+
+def per_second(unit: str) -> str:
+    """Return the unit of a time derivative.
+
+    Examples
+    --------
+    >>> per_second("m"), per_second("rad/s"), per_second("N m/rad"), per_second("N m s/rad")
+    ('m/s', 'rad/s^2', 'N m/(rad s)', 'N m/rad')
+    """
+    if not unit:
+        return ""
+    powers = powers_in(unit)
+    powers["s"] = powers.get("s", 0) - 1
+    above, below = (
+        [
+            name if abs(power) == 1 else f"{name}^{abs(power)}"
+            for name, power in powers.items()
+            if power * side > 0 and name != "1"
+        ]
+        for side in (1, -1)
+    )
+    divisors = f"({' '.join(below)})" if len(below) > 1 else "".join(below)
+    return "/".join(filter(None, (" ".join(above) or "1", divisors)))

@@ -47,7 +47,7 @@ from stickslip.cli import main
 from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import export_fmu
-from stickslip.exports.fmu.export import BASES, base_units, per_second, variables_of, with_inputs
+from stickslip.exports.fmu.export import BASES, base_units, variables_of, with_inputs
 from stickslip.friction import LAWS
 from stickslip.maths import sqrt
 from stickslip.mechanisms import (
@@ -64,6 +64,7 @@ from stickslip.mechanisms import (
 )
 from stickslip.mechanisms.drives import Pulse, Sine, Square, ThreePhase
 from stickslip.quantities import Quantity, fields_of, turned
+from stickslip.units import per_second
 
 CHAIN = BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)

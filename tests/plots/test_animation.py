@@ -21,6 +21,7 @@ from stickslip import (
     FixedStep,
     Pendulum,
     PendulumCart,
+    PIDAxis,
     SpringBlock,
     TowedBlock,
     TwoMassAxis,
@@ -64,6 +65,13 @@ CASES = {
         TwoMassAxis(
             motor_inertia=0.5, load_inertia=1.5, stiffness=200.0,
             drive=Pulse(level=5.0, duration=1.0),
+        ),
+        {},
+    ),
+    "pid-axis": (
+        PIDAxis(
+            inertia=1.0, proportional=100.0, integral=300.0, derivative=20.0, reference=0.1,
+            drive=Pulse(level=5.0, duration=0.7),
         ),
         {},
     ),

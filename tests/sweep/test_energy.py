@@ -91,6 +91,15 @@ def test_a_driven_oscillator_has_the_works_of_its_closed_form():
     assert found["friction"] == found["stops"] == 0.0
 
 
+def test_positive_work_is_that_of_the_power_where_it_is_positive():
+    run = simulate(SOFT, RUBS, t_end=0.5)
+    seen = run.at(np.linspace(0.0, 0.5, 200_001))
+    power = 0.2 * np.sin(2.0 * math.pi * 13.0 * seen.t) * seen["xi_dot"]
+    assert power.min() < -0.1 * power.max()
+    expected = np.trapezoid(np.maximum(power, 0.0), seen.t)
+    assert energy_balance(SOFT, run).positive[-1] == pytest.approx(expected, rel=1e-8)
+
+
 def test_powers_of_a_sweep_an_orbit_and_a_diagram_are_the_same():
     values = [12.9, 13.0]
     swept = average_velocity(CAPSULE, RUBS, {FREQUENCY: values}, settle=300, energy=True)

@@ -7,9 +7,10 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from stickslip import Coulomb, Stribeck, simulate
-from stickslip.errors import InputError
-from stickslip.study.control import PIDAxis
+from stickslip import Coulomb, PIDAxis, Stribeck, Viscous, simulate
+from stickslip.data import load_rig, rig_toml
+from stickslip.errors import SimulationError
+from stickslip.mechanisms.drives import Feedback, Pulse
 from stickslip.study.energy import energy_balance
 from stickslip.study.sweep import continue_event, continue_orbit, periodic_orbit
 
@@ -104,7 +105,48 @@ def test_the_fold_of_hunting_is_followed_over_two_gains():
     assert other.value == pytest.approx(integral, abs=1e-6 * 220.0)
 
 
-def test_the_work_of_the_loop_is_not_stated():
-    run = simulate(AXIS, STICTION, t_end=1.0)
-    with pytest.raises(InputError, match="its work is not known apart"):
-        energy_balance(AXIS, run)
+def test_the_work_of_the_loop_closes_the_balance_of_the_axis():
+    push = Pulse(level=5.0, duration=0.7)
+    for axis in (AXIS, replace(AXIS, drive=push)):
+        run = simulate(axis, STICTION, t_end=10.0)
+        balance = energy_balance(axis, run)
+        seen = run.at(np.linspace(0.0, 10.0, 400_001))
+        loop = K_P * (R - seen["x"]) + seen["integral_part"] - K_D * seen["v"]
+        loop = loop + 5.0 * np.heaviside(np.round(0.7 - seen.t, 9), 0.5) * (axis.drive is push)
+        assert balance.mismatch < 1e-9
+        assert balance.energy[-1] == pytest.approx(0.5 * J * run["v"][-1] ** 2, abs=1e-15)
+        work = np.trapezoid(loop * seen["v"], seen.t)
+        assert balance.drive[-1] == pytest.approx(work, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "law", [Viscous(viscous_coefficient=2.0), Viscous(viscous_coefficient=0.0)]
+)
+def test_without_static_friction_a_loop_settles_and_there_is_no_cycle(law):
+    with pytest.raises(SimulationError, match="there is no cycle: the motion comes to rest"):
+        periodic_orbit(AXIS, law)
+    with pytest.raises(SimulationError, match="there is no cycle: the motion comes to rest"):
+        periodic_orbit(replace(AXIS, drive=Feedback(state="x", gain=-5.0, reference=0.2)), law)
+
+
+def test_the_integral_part_is_in_the_unit_of_the_command():
+    orbit_units = simulate(AXIS, STICTION, t_end=0.1).units
+    assert [orbit_units[name] for name in ("impulse", "integral_part")] == ["N s", "N"]
+    turning = replace(AXIS, rotary=True)
+    units = simulate(turning, STICTION, t_end=0.1).units
+    assert [units[name] for name in ("impulse", "integral_part")] == ["N m s", "N m"]
+
+
+def test_a_rig_file_has_the_loop_with_its_units(tmp_path):
+    path = tmp_path / "rig.toml"
+    path.write_text(
+        '[mechanism]\ntype = "pid-axis"\ninertia = "1 kg"\n'
+        'proportional = "100 N/m"\nintegral = "300 N/(m s)"\nderivative = "20 N s/m"\n'
+        'reference = "10 cm"\n[friction]\nlaw = "coulomb"\nkinetic_coefficient = 1.0\n'
+        "static_coefficient = 1.5\n"
+    )
+    rig = load_rig(path)
+    assert rig.mechanism == AXIS
+    again = tmp_path / "again.toml"
+    again.write_text(rig_toml(AXIS, STICTION))
+    assert load_rig(again).mechanism == AXIS

@@ -70,6 +70,7 @@ from stickslip.study.sweep import (
     units_of_columns,
     velocity_band,
 )
+from stickslip.units import per_second
 
 if TYPE_CHECKING:
     from stickslip.study.optimisation import GoalName
@@ -682,7 +683,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     else:
         table = result.to_dataframe()
     units |= {f"advance {name}": result.units[name] for name in velocities}
-    units |= {f"mean velocity {name}": f"{result.units[name]}/s" for name in velocities}
+    units |= {f"mean velocity {name}": per_second(result.units[name]) for name in velocities}
     write_files({output: table_bytes(table, output, units), figure: svg})
     if options.as_json:
         own = _chart_content(result) if isinstance(result, OrbitChart) else _diagram_content(result)

@@ -29,6 +29,7 @@ from stickslip.mechanisms import Mechanism, slip_names, slips_by_angle, static_n
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import joined, number, quantity, span
+from stickslip.units import per_second
 
 USUAL = "coulomb"
 """The law that is taken where the values of several are known, and none is named."""
@@ -550,9 +551,7 @@ def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:
     if len(contacts) > 1:
         units = {f"{z}:{contact.name}": unit for z, unit in units.items() for contact in contacts}
     units |= dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-    return units | {
-        rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
-    }
+    return units | dict(zip(mechanism.rates, map(per_second, mechanism.units), strict=True))
 
 
 def check_record(mechanism: mechanisms.Mechanism, record: Measurement, label: str) -> None:

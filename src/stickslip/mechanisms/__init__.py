@@ -8,6 +8,7 @@ MECHANISM_MODULES = {
     "Axis": "axes",
     "TwoMassAxis": "axes",
     "Pendulum": "axes",
+    "PIDAxis": "axes",
     "PendulumCart": "capsules",
     "Capsule": "capsules",
     "TwoMassCapsule": "capsules",

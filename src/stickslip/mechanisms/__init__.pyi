@@ -5,6 +5,7 @@ from collections.abc import Mapping as _Mapping
 from stickslip.mechanisms import contact_inputs as contact_inputs
 from stickslip.mechanisms import drives as drives
 from stickslip.mechanisms.axes import Axis as _Axis
+from stickslip.mechanisms.axes import PIDAxis as _PIDAxis
 from stickslip.mechanisms.axes import Pendulum as _Pendulum
 from stickslip.mechanisms.axes import TwoMassAxis as _TwoMassAxis
 from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
@@ -214,6 +215,21 @@ class Link(_Link):
         gear_ratio: _Given = ...,
         damping: _Given = ...,
         torque: _Drive | _DCMotor | None = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class PIDAxis(_PIDAxis):
+    def __init__(
+        self,
+        *,
+        rotary: bool = ...,
+        inertia: _Given,
+        proportional: _Given,
+        integral: _Given,
+        derivative: _Given = ...,
+        reference: _Given = ...,
+        drive: _Drive | None = ...,
+        load: _Given = ...,
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -500,6 +516,7 @@ __all__ = [
     "Mechanism",
     "Motor",
     "MotorLoop",
+    "PIDAxis",
     "Pendulum",
     "PendulumCart",
     "PositionLoop",

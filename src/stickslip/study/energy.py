@@ -8,7 +8,8 @@ With kinetic and potential energy E of the states,
    rule with 12 nodes, of degree 23.
 2. A drive's force in a coordinate is the generalised force with the drives less that without; of a
    prescribed motion, it is the effort of the guide. Moved supports count as drives: their power is
-   dV/dt at rest of all coordinates.
+   dV/dt at rest of all coordinates. All forces of a mechanism with a controller in its equations
+   are those of its loop.
 3. What other forces do against the motion is taken by dampers, those of soft stops included.
 4. An impact takes what the energy falls by at that instant.
 
@@ -43,7 +44,14 @@ PER_TRAVEL = "energy per travel"
 """Column of the positive work of the drives over the travel."""
 GROUND = "ground"
 """Drive that moves the ground and not the mechanism."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # long steps of exact modes need so many
+_LEGENDRE = np.polynomial.legendre
+_NODES, _WEIGHTS = _LEGENDRE.leggauss(12)  # long steps of exact modes need so many
+# Of Legendre series of as many terms: coefficients from values at the nodes, the integral, and the
+# companion matrix but for its last column, in which a series stands over its last coefficient.
+_SERIES = np.linalg.inv(_LEGENDRE.legvander(_NODES, len(_NODES) - 1))
+_INTEGRAL = _LEGENDRE.legint(np.eye(len(_NODES)))
+_COMPANION = _LEGENDRE.legcompanion([0.0] * (len(_NODES) - 1) + [1.0])
+_SHARES = -(_LEGENDRE.legcompanion([1.0] * len(_NODES)) - _COMPANION)[:, -1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -159,8 +167,8 @@ def energy_balance(
     Raises
     ------
     InputError
-        If the times are not within the run, or a drive is a voltage or the loop of a `PIDAxis`,
-        whose force depends on the motion.
+        If the times are not within the run, or a drive is a voltage, whose force depends on the
+        motion.
 
     Examples
     --------
@@ -231,14 +239,20 @@ def _positive(power: Array) -> Array:
     Where its sign changes, the polynomial through the nodes is integrated between its roots.
     """
     result: Array = np.maximum(power, 0.0) @ _WEIGHTS
-    for cell in np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0)):
-        series = np.polynomial.Legendre.fit(
-            _NODES, power[cell], len(_NODES) - 1, domain=[-1.0, 1.0]
-        )
-        roots = series.roots()
-        real = roots.real[(np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) < 1.0)]
-        ends = np.concatenate([[-1.0], np.sort(real), [1.0]])
-        result[cell] = np.maximum(np.diff(series.integ()(ends)), 0.0).sum()
+    cells = np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0))
+    series = power[cells] @ _SERIES.T
+    last = series[:, -1:]
+    least = np.finfo(float).eps * np.abs(series).max(axis=1, keepdims=True)
+    matrix = np.repeat(_COMPANION[None], len(cells), axis=0)
+    matrix[:, :, -1] -= series[:, :-1] / np.where(np.abs(last) < least, least, last) * _SHARES
+    # turned round: eigenvalues of a matrix graded upwards have smaller errors
+    roots = np.linalg.eigvals(matrix[:, ::-1, ::-1])
+    real = (np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) < 1.0)
+    edge = np.ones((len(cells), 1))
+    # what is no root within the cell ends it, after which nothing is left
+    ends = np.hstack([-edge, np.sort(np.where(real, roots.real, 1.0), axis=1), edge])
+    grown = (_LEGENDRE.legvander(ends, series.shape[1]) @ (series @ _INTEGRAL.T)[..., None])[..., 0]
+    result[cells] = np.maximum(np.diff(grown, axis=1), 0.0).sum(axis=1)
     return result
 
 
@@ -255,11 +269,6 @@ def columns_of(mechanism: Mechanism) -> tuple[str, ...]:
         raise InputError(
             f"energy_balance: the force of the electric motor of {type(mechanism).__name__} depends"
             " on the motion, too, so that its work is not known apart."
-        )
-    if mechanism.computed:
-        raise InputError(
-            f"energy_balance: the loop of {type(mechanism).__name__} is part of its equations, so"
-            " that its work is not known apart. For energies, control an Axis by `closed_loop`."
         )
     rubs = (f"friction {contact.name}".strip() for contact in mechanism.contacts())
     return (*(f"power {name}" for name in ("drive", *rubs, "dampers", "stops")), PER_TRAVEL)
@@ -310,6 +319,7 @@ def _times(
 
 def _energy(mechanism: Mechanism, seen: Trajectory) -> Array:
     q, q_dot = _motion(mechanism, seen)
+    q_dot |= dict.fromkeys(mechanism.computed, np.zeros_like(seen.t))
     energy = mechanism.kinetic_energy(q, q_dot) + mechanism.potential_energy(seen.t, q)
     return np.asarray(energy + 0.0 * seen.t, dtype=np.float64)
 
@@ -338,9 +348,12 @@ def _powers(mechanism: Mechanism, seen: Trajectory, step: float) -> dict[str, di
     others = {
         name: (force - (0.0 if name in guided else efforts.get(name, 0.0))) * q_dot[name]
         for name, force in forces.items()
-        if name in mechanism.coordinates
+        if name in mechanism.coordinates and name not in mechanism.computed
     }
     driven: dict[str, Scalar] = {name: effort * q_dot[name] for name, effort in efforts.items()}
+    if mechanism.computed:  # all that acts is its loop, with the drives in it
+        driven |= {name: forces[name] * q_dot[name] for name in others}
+        others = {}
     if isinstance(mechanism, MatrixMechanism):  # whose forces are those of inertia, too
         total = mechanism.power(seen.t, q, q_dot, drives)
         if total is None:

@@ -518,7 +518,8 @@ def lagrange_rows(
         other |= dict(zip(q, moving, strict=True))
     # Only now: derivatives along held coordinates give the rows of their reactions.
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
-    supplied = sum((force * speeds[i] for i, force in other.items()), se.Integer(0))
+    no_energy = {speeds[i]: 0 for i in mechanism.computed}  # numbers of a controller
+    supplied = sum((other[i] * speeds[i] for i in other if speeds[i] not in no_energy), 0 * t)
     if isinstance(mechanism, mechanisms.MatrixMechanism):
         mass, forces = matrix_rows(mechanism, seen, held), [other[name] for name in places]
         if directions is not None:
@@ -531,7 +532,7 @@ def lagrange_rows(
     return Rows(
         mass=[[e.subs(at_rest) for e in mass[n * i : n * (i + 1)]] for i in range(len(places))],
         forces=[trace.collapsed(e.subs(at_rest)) for e in forces],
-        energy=(kinetic + _uncancelled(potential, places)).subs(at_rest),
+        energy=(kinetic + _uncancelled(potential, places)).subs(at_rest | no_energy),
         supplied=trace.collapsed((potential.diff(t) + supplied).subs(at_rest)),
     )
 

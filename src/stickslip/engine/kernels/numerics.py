@@ -9,6 +9,8 @@
    more than one is halved. No fall is missed, however short.
 """
 
+import math
+
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import IntVector, Vector
 
@@ -262,22 +264,21 @@ def fall_in(w: Vector, first: int, degree: int, at: int) -> float:
 
 def first_fall(w: Vector, degree: int) -> float:
     """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE."""
-    total = 0.0
-    down = 0.0
+    total, first = 0.0, 0
     for k in range(degree + 1):
-        coefficient = w[layout.POLYNOMIAL + k]
-        total += abs(coefficient)
-        if coefficient < 0.0:
-            down -= coefficient
-    first = 0
+        total += abs(w[layout.POLYNOMIAL + k])
     while first <= degree and abs(w[layout.POLYNOMIAL + first]) <= ROUNDED * total:
         first += 1
     if first > degree:
         return NEVER_FALLS
     if w[layout.POLYNOMIAL + first] < 0.0:
         return FALLS_AT_ONCE
-    # on 0 to 1 the negative terms cannot outweigh the first one if it is more than their sum
-    if w[layout.POLYNOMIAL + first] > down:
+    # powers fall from each to the next on 0 to 1: a polynomial is a mean of its partial sums
+    partial, least = 0.0, math.inf
+    for k in range(first, degree + 1):
+        partial += w[layout.POLYNOMIAL + k]
+        least = min(least, partial)
+    if least > ROUNDED * total:
         return NEVER_FALLS
     d = degree - first
     to_bernstein(w, first, d)

@@ -33,6 +33,7 @@ from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.quantities import Parametrised, parameters, turned
+from stickslip.units import per_second
 
 # What a solver is.
 
@@ -82,9 +83,7 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
     Friction of a contact that slips along an angle is a torque, and its bristles are angles.
     """
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-    units |= {
-        rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
-    }
+    units |= dict(zip(mechanism.rates, map(per_second, mechanism.units), strict=True))
     efforts = {guide.effort: guide.unit for guide in mechanism.guided().values()}
     turning = {place.name: slips_by_angle(mechanism, place) for place in mechanism.contacts()}
     several = len(turning) > 1

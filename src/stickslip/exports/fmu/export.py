@@ -5,7 +5,6 @@ import io
 import json
 import math
 import platform
-import re
 import shutil
 import subprocess
 import tempfile
@@ -50,6 +49,7 @@ from stickslip.quantities import Quantity, parameters, shadow
 from stickslip.show.documents import write_file
 from stickslip.show.formatting import printable
 from stickslip.study.control import drive_places
+from stickslip.units import per_second, powers_in
 
 # The model description of an FMU: its inputs, its variables, and the XML of FMI 2.0 and 3.0.
 
@@ -169,7 +169,6 @@ _NAMED: Final[Mapping[str, Mapping[str, int]]] = MappingProxyType(
         "1": {},
     }
 )
-_FACTOR: Final = re.compile(r"(?P<name>[A-Za-z]+|1)(?:\^(?P<power>\d+))?")
 Role: TypeAlias = Literal[
     "independent",
     "input",
@@ -196,51 +195,12 @@ def base_units(unit: str) -> dict[str, int]:
     {'kg': 1, 'm': 2, 's': -1, 'rad': -1}
     """
     result = dict.fromkeys(BASES, 0)
-    for name, power in _factors(unit).items():
+    for name, power in powers_in(unit).items():
+        if name not in _NAMED:
+            raise InputError(f"the unit {unit!r} has {name!r}, which is no SI unit known here.")
         for base, own in _NAMED[name].items():
             result[base] += power * own
     return {base: power for base, power in result.items() if power}
-
-
-def per_second(unit: str) -> str:
-    """Return the unit of a time derivative.
-
-    Examples
-    --------
-    >>> per_second("m"), per_second("rad/s"), per_second("N m/rad"), per_second("N m s/rad")
-    ('m/s', 'rad/s^2', 'N m/(rad s)', 'N m/rad')
-    """
-    if not unit:
-        return ""
-    powers = _factors(unit)
-    powers["s"] = powers.get("s", 0) - 1
-    above, below = (
-        [
-            name if abs(power) == 1 else f"{name}^{abs(power)}"
-            for name, power in powers.items()
-            if power * side > 0 and name != "1"
-        ]
-        for side in (1, -1)
-    )
-    divisors = f"({' '.join(below)})" if len(below) > 1 else "".join(below)
-    return "/".join(filter(None, (" ".join(above) or "1", divisors)))
-
-
-def _factors(unit: str) -> dict[str, int]:
-    """Return the powers of the units that stand in a unit, in their order."""
-    result: dict[str, int] = {}
-    above, *below = unit.split("/")
-    sides = [(above, 1), *((key.removeprefix("(").removesuffix(")"), -1) for key in below)]
-    for side, sign in sides:
-        for factor in side.split():
-            parsed = _FACTOR.fullmatch(factor)
-            if parsed is None or parsed["name"] not in _NAMED:
-                raise InputError(
-                    f"the unit {unit!r} has {factor!r}, which is no SI unit known here."
-                )
-            name = parsed["name"]
-            result[name] = result.get(name, 0) + sign * int(parsed["power"] or 1)
-    return result
 
 
 @dataclass(frozen=True, kw_only=True)

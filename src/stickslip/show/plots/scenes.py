@@ -596,6 +596,11 @@ def axis(mechanism: mechanisms.Axis, run: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
+def pid_axis(mechanism: mechanisms.PIDAxis, run: Trajectory) -> Picture:
+    """Return the carriage of an axis that its loop alone holds."""
+    return axis(mechanisms.Axis(inertia=mechanism.inertia, load=mechanism.load), run)
+
+
 def two_mass_axis(mechanism: mechanisms.TwoMassAxis, run: Trajectory) -> Picture:
     """Return motor and load on a rail with what joins them; its length is for the eye."""
     reach = max(_range(run, "x"), _range(run, "other"))
@@ -811,6 +816,7 @@ PICTURES: Final[Mapping[str, Callable[[Any, Trajectory], Picture]]] = MappingPro
         mechanisms.SpringBlock.name: spring_block,
         mechanisms.TowedBlock.name: towed_block,
         mechanisms.Axis.name: axis,
+        mechanisms.PIDAxis.name: pid_axis,
         mechanisms.TwoMassAxis.name: two_mass_axis,
         mechanisms.Pendulum.name: pendulum,
         mechanisms.PendulumCart.name: pendulum_cart,

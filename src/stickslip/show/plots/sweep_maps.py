@@ -43,6 +43,7 @@ from stickslip.study.sweep import (
     VelocityBand,
     VelocityMap,
 )
+from stickslip.units import per_second
 
 BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
 """Fill of each basin, the largest first."""
@@ -526,7 +527,7 @@ def _motions(figure: Figure, axes: Axes, result: OrbitChart) -> None:
     axes.set_xlim(xs[0], xs[-1])
     axes.set_ylim(ys[0], ys[-1])
     for name, speeds in [*result.velocities.items()][:1]:
-        factor, unit = scale_of(speeds[np.isfinite(speeds)], f"{result.units[name]}/s")
+        factor, unit = scale_of(speeds[np.isfinite(speeds)], per_second(result.units[name]))
         largest = factor * float(np.nanmax(np.abs(speeds), initial=0.0)) or 1.0
         mesh = axes.pcolormesh(
             *edges, factor * speeds.T, cmap=DIVERGING, vmin=-largest, vmax=largest, rasterized=True

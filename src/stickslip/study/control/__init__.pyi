@@ -5,6 +5,7 @@ from collections.abc import Callable as _Callable
 from collections.abc import Mapping as _Mapping
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
+from stickslip.mechanisms.axes import PIDAxis as _PIDAxis
 from stickslip.mechanisms.drives import Drive as _Drive
 from stickslip.quantities import Given as _Given
 from stickslip.study.control.feedback_loop import ClosedLoop as ClosedLoop
@@ -15,7 +16,6 @@ from stickslip.study.control.feedback_loop import FrictionCompensation as _Frict
 from stickslip.study.control.feedback_loop import LimitCycle as LimitCycle
 from stickslip.study.control.feedback_loop import Load as _Load
 from stickslip.study.control.feedback_loop import PID as _PID
-from stickslip.study.control.feedback_loop import PIDAxis as _PIDAxis
 from stickslip.study.control.feedback_loop import PartialLinearisation as _PartialLinearisation
 from stickslip.study.control.feedback_loop import Signal as _Signal
 from stickslip.study.control.feedback_loop import closed_loop as closed_loop

@@ -10,7 +10,6 @@ from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
-    ClassVar,
     Literal,
     NamedTuple,
     Protocol,
@@ -18,15 +17,13 @@ from typing import (
 )
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import END, event_driven_law, initial_state, refuse
 from stickslip.engine.solver import EventDriven, IncrementalRun
 from stickslip.engine.trajectory import Status, Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import Friction, FrictionLaw, Viscous, bound, is_bound
-from stickslip.maths import Scalar
-from stickslip.mechanisms import Contact, LinearOrRotary, Mechanism, slip_of, within_limit
+from stickslip.mechanisms import Mechanism, slip_of, within_limit
 from stickslip.mechanisms.drives import Drive, PiecewiseAffine, Profile, Sampled
 from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
@@ -1558,100 +1555,3 @@ class PartialLinearisation(Parametrised):
         friction = -(s_0 + s_u * command) / s_f
         normal = n_0 + n_f * friction + n_u * command
         return (float(command) if normal > 0.0 else None), float(friction), float(normal)
-
-
-# An axis under a continuous PID loop, as a mechanism: its hunting has orbits and branches.
-#
-# A mechanism has no states but coordinates, their rates, and bristles. The integral part w of the
-# loop is the rate of a second coordinate p of inertia 1, on which the error acts as a force:
-#
-#     J v' = K_p (r - x) + w - K_d v + f(t) - F
-#     w'   = K_i (r - x)                          p' = w
-#
-# so that the equations stay linear between events, and are solved as exactly as any other; during
-# a long phase of sticking w is a straight line. Nothing depends on p: it is left out of the
-# unknowns of an orbit like the place of a capsule, and comes back if the mean of w is 0.
-
-
-@dataclass(frozen=True, kw_only=True)
-class PIDAxis(LinearOrRotary):
-    """An inertia whose position is controlled by a PID loop without samples; linear or rotary.
-
-    States are `x`, `v`, the integral part `integral_part` of the command [N] or [N m], and its
-    integral `impulse`. With the default load of 1, friction levels read as forces [N] or torques
-    [N m]. `closed_loop` with `PID` is the same loop with samples.
-
-    References
-    ----------
-    R. H. A. Hensen, M. J. G. van de Molengraft and M. Steinbuch, Friction induced hunting limit
-    cycles: a comparison between the LuGre and switch friction model, Automatica 39 (2003)
-    2131-2137.
-
-    Examples
-    --------
-    Static friction above sliding friction makes it hunt about its target:
-
-    >>> from stickslip import Coulomb
-    >>> from stickslip.study.sweep import periodic_orbit
-    >>> axis = PIDAxis(
-    ...     inertia=1.0, proportional=100.0, integral=300.0, derivative=20.0, reference=0.1
-    ... )
-    >>> hunting = periodic_orbit(axis, Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5))
-    >>> round(hunting.period, 5), round(hunting.sticking[""], 4), hunting.stable
-    (7.6415, 0.8904, True)
-    """
-
-    name: ClassVar[str] = "pid-axis"
-    coordinates: ClassVar[tuple[str, ...]] = ("x", "impulse")
-    rates: ClassVar[tuple[str, ...]] = ("v", "integral_part")
-    moving_part: ClassVar[str] = "axis"
-    computed: ClassVar[frozenset[str]] = frozenset({"impulse"})
-
-    inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")]
-    """Mass [kg] or moment of inertia [kg m^2]."""
-    proportional: Annotated[float, Quantity("K_p", "N/m", low=0, or_unit="N m/rad")]
-    """Command per error."""
-    integral: Annotated[float, Quantity("K_i", low=0)]
-    """Command per error and second [N/(m s)] or [N m/(rad s)]."""
-    derivative: Annotated[float, Quantity("K_d", "N s/m", low=0, or_unit="N m s/rad")] = 0.0
-    """Command against the speed."""
-    reference: Annotated[float, Quantity("r", "m", or_unit="rad")] = 0.0
-    """Where to be."""
-    drive: Drive | None = None
-    """Force [N] or torque [N m] beside that of the loop: a disturbance, a feedforward."""
-    load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
-    """Normal force at the contact, or 1 where levels are forces."""
-
-    @property
-    @override
-    def units(self) -> tuple[str, ...]:  # type: ignore[override]
-        return ("rad", "N m s") if self.rotary else ("m", "N s")
-
-    @override
-    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
-        v, part = q_dot["x"], q_dot["impulse"]
-        return 0.5 * (self.inertia * v * v + part * part)
-
-    @override
-    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        return 0.0 * q["x"]
-
-    @override
-    def forces(
-        self,
-        t: Scalar,
-        q: Mapping[str, Scalar],
-        q_dot: Mapping[str, Scalar],
-        drives: Mapping[str, Scalar],
-    ) -> Mapping[str, Scalar]:
-        error = self.reference - q["x"]
-        loop = self.proportional * error + q_dot["impulse"] - self.derivative * q_dot["x"]
-        return {"x": loop + drives.get("drive", 0.0), "impulse": self.integral * error}
-
-    @override
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", load=self.load),)
-
-    @override
-    def drives(self) -> Mapping[str, Drive]:
-        return {} if self.drive is None else {"drive": self.drive}

@@ -61,6 +61,7 @@ from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number, percent, quantity
 from stickslip.study.energy import efforts_of, energy_balance, values_of
 from stickslip.study.tolerances import FEWEST_CYCLES, ROUNDING, TRANSIENT
+from stickslip.units import per_second
 
 # The steady cycle.
 
@@ -380,8 +381,8 @@ def units_of(mechanism: Mechanism, slip: str) -> dict[str, str]:
     result |= {"load_share": "1", "peak_force": force, "unsettled": "1"}
     if guided:
         result[ACCELERATION] = f"{columns[driven[0]]}/s^2"
-    rates = zip(mechanism.rates, mechanism.units, strict=True)
-    return result | columns | {rate: f"{unit}/s" for rate, unit in rates} | efforts
+    rates = dict(zip(mechanism.rates, map(per_second, mechanism.units), strict=True))
+    return result | columns | rates | efforts
 
 
 @dataclass(frozen=True, kw_only=True)

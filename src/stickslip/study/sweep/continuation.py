@@ -69,7 +69,7 @@ from stickslip.study.sweep.orbits import (
     refuse_late,
     solved,
 )
-from stickslip.study.sweep.parameter_grid import Array, counted
+from stickslip.study.sweep.parameter_grid import Array, counted, runs_of
 from stickslip.study.tolerances import ROUNDING
 
 if TYPE_CHECKING:
@@ -152,11 +152,6 @@ WINDOWS: Final = (
 """What follows behind a hard stop that is touched, for largest multipliers below these bounds."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
-
-
-def runs_of(chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return where runs of what is chosen begin and end (n, 2)."""
-    return np.flatnonzero(np.diff(chosen, prepend=False, append=False)).reshape(-1, 2)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

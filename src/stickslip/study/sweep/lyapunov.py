@@ -412,10 +412,11 @@ def growth(
     cycle, n = map_.duration(map_.pair(value)[0], value), len(y)
     vector = np.random.default_rng(0).standard_normal(n)
     logs, strobes = np.full(cycles, np.nan), np.empty((cycles, n))
-    scale = np.ones(n)
+    scale, part = np.ones(n), map_
     for begin in range(0, cycles, stretch):
         length = min(stretch, cycles - begin)
-        mechanism, _, _, run = replace(map_, cycles=length).run(y, value)
+        part = part if part.cycles == length else replace(map_, cycles=length)
+        mechanism, _, _, run = part.run(y, value)
         times = cycle * np.arange(1.0, length + 1.0)
         states = map_.seen(mechanism, run, times)[:, list(map_.free)]
         if not begin:

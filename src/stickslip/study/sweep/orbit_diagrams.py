@@ -49,6 +49,7 @@ from stickslip.study.sweep.parameter_grid import (
     counted,
     early_ends,
     pair_of,
+    runs_of,
     states_of,
     unit_of,
     where_of,
@@ -70,10 +71,10 @@ from stickslip.study.sweep.continuation import (
     Point,
     between_of,
     check_step,
-    runs_of,
     units_of,
     within,
 )
+from stickslip.units import per_second
 
 __all__ = ["OrbitDiagram", "orbit_diagram"]
 
@@ -174,7 +175,7 @@ class OrbitDiagram(OnAxes, Tabular):
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
 
     def _summary(self) -> Summary:
-        units = [f"{self.units[name]}/s" for name in self.velocities]
+        units = [per_second(self.units[name]) for name in self.velocities]
         still = {n: SETTLED * np.nanmax(abs(v), initial=0.0) for n, v in self.velocities.items()}
         stretches = list[tuple[float, float, tuple[object, ...]]]()
         for i, branch in enumerate(self.branches):
@@ -225,7 +226,7 @@ class OrbitDiagram(OnAxes, Tabular):
         means = []
         for name, spread in self.spreads.items():
             most = float(np.nan_to_num(spread[self.chaotic]).max())
-            apart = quantity(most, f"{self.units[name]}/s", 2)
+            apart = quantity(most, per_second(self.units[name]), 2)
             means.append(
                 f" Their mean velocity {name} differs by up to {apart} between starts 1e-9 of its"
                 " size apart."

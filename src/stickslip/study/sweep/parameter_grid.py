@@ -328,6 +328,17 @@ def early_ends(
     return tuple(sentences)
 
 
+def runs_of(chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return where runs of neighbours that are chosen begin and end (n, 2).
+
+    Examples
+    --------
+    >>> runs_of(np.array([True, False, True, True])).tolist()
+    [[0, 1], [2, 4]]
+    """
+    return np.flatnonzero(np.diff(chosen, prepend=False, append=False)).reshape(-1, 2)
+
+
 def where_of(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[str, str]) -> str:
     """Return where in a grid points lie: their ranges on one axis, on several what holds all.
 
@@ -340,10 +351,8 @@ def where_of(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[
     for dimension, (path, values) in enumerate(axes.items()):
         others = tuple(i for i in range(here.ndim) if i != dimension)
         order = np.argsort(values, kind="stable")
-        # Edges of stretches of neighbours, with False on both sides.
         chosen, sorted_values = np.asarray(here.any(axis=others))[order], values[order].tolist()
-        edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
-        pairs = [(sorted_values[a], sorted_values[b - 1]) for a, b in edges.reshape(-1, 2)]
+        pairs = [(sorted_values[a], sorted_values[b - 1]) for a, b in runs_of(chosen)]
         # On several axes a union of ranges would say less than the box around it.
         scattered = len(axes) > 1 or len(pairs) > MOST_RANGES
         if scattered:

@@ -99,7 +99,10 @@ def passes_of(
         run = solver.bare(mechanism, law, y0=begin, t_end=length)
         if not run.status.complete:
             none = np.empty((0, len(states)))
-            return Passes(section, none[:, 0], none, run.status, f"settling: {run.status.value}")
+            rests = run.status is Status.ZENO and comes_to_rest(mechanism, run)
+            lack = "there is no cycle: the motion comes to rest." if rests else ""
+            lack = lack or f"settling: {run.status.value}"
+            return Passes(section, none[:, 0], none, run.status, lack)
         steps = run.playback.times()
         inner = (steps[:-1, None] + np.diff(steps)[:, None] * np.arange(BETWEEN) / BETWEEN).ravel()
         times = np.append(inner, steps[-1])
@@ -126,6 +129,29 @@ def passes_of(
         if (np.ptp(lap, axis=0) <= STEADY * np.abs(lap).max(axis=0)).all():
             lack = "there is no cycle: the motion becomes steady sliding."
     return Passes(here, result, starts, run.status, lack)
+
+
+def comes_to_rest(mechanism: Mechanism, run: BareRun) -> bool:
+    """Whether all that moves stays where it is in the last tenth of a run, as places and rates.
+
+    At rest rounding decides which way a body without static friction begins to slip, so that events
+    may accumulate there. Numbers of a controller may go on.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Viscous
+    >>> axis, solver = Axis(inertia=1.0, stiffness=100.0), EventDriven()
+    >>> y0 = [0.1, 0.0]
+    >>> run = solver.bare(axis, Viscous(viscous_coefficient=20.0), y0=y0, t_end=5.0)
+    >>> comes_to_rest(axis, run)
+    True
+    """
+    times = run.playback.times()
+    seen = run.at(times)
+    pairs = zip(mechanism.coordinates, mechanism.rates, strict=True)
+    known = [run.states.index(x) for q, v in pairs if q not in mechanism.computed for x in (q, v)]
+    range_, late = np.ptp(seen[:, known], axis=0), seen[times >= 0.9 * times[-1]][:, known]
+    return bool(range_.any() and (np.ptp(late, axis=0) <= STEADY * range_).all())
 
 
 def given_section(states: Sequence[str], given: Mapping[str, float] | None) -> Section | None:

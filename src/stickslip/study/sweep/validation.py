@@ -69,6 +69,7 @@ from stickslip.show.formatting import (
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
 from stickslip.study.tolerances import FINE, PERCENT
+from stickslip.units import per_second
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -311,7 +312,7 @@ def band_of(
         pairs = dict([slip_names(mechanism)])
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     units = {slip: units[slip] for slip in pairs} | {
-        rate: f"{units[slip]}/s" for slip, rate in pairs.items()
+        rate: per_second(units[slip]) for slip, rate in pairs.items()
     }
     # Ends of whole cycles, which rounding must not put behind the end of the run.
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
