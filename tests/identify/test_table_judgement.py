@@ -432,3 +432,12 @@ def test_two_levels_of_friction_are_no_rounding():
     rows = Rows(velocity=SPEEDS, load=np.ones(20), inputs={}, run=np.zeros(20, int), order=SPEEDS)
     readings = Readings.of(rows, friction)
     assert step_of(readings, Frame.of(readings)) == 0.0
+
+
+@pytest.mark.parametrize("repeats", [1, 2])
+def test_equal_readings_tell_friction_to_their_last_digit(repeats):
+    v, level = np.repeat(SPEEDS, repeats), 3.14
+    found, _ = limits(v, np.full(len(v), 3.1))
+    band = found.band(found.problem.at(v))
+    assert np.all((band.low <= level) & (level <= band.high))
+    assert np.all(band.high - band.low < 0.15)

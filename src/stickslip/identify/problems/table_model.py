@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
+from stickslip.identify.fits import last_digit
 from stickslip.identify.own_laws import is_slope, slope_column
 from stickslip.identify.posterior import (
     COEFFICIENT,
@@ -602,9 +603,10 @@ class TableModel(Model):
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
         values, of_value = np.unique(readings.friction, return_inverse=True)
-        self.is_flat = bool(self.step) and not self.repeats and len(values) <= FEW_GAPS
+        equal = len(np.unique(np.abs(values))) == 1
+        self.is_flat = bool(self.step) and (equal or (len(values) <= FEW_GAPS and not self.repeats))
         if self.is_flat:  # equal readings have one error
-            self.block = of_value.ravel()
+            self.block, self.repeats = of_value.ravel(), False
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
         self.ordered_by, self.is_sorted = order_of(readings)
         self.scales = self._scales()
@@ -904,7 +906,7 @@ def step_of(readings: Readings, frame: Frame) -> float:
     """Return the step to which friction was rounded [N], if it is coarse; else 0.
 
     It is the least difference between readings, if that divides all others; of few values, each
-    of several readings, if it divides these.
+    of several readings, if it divides these; of equal ones, the unit of their last digit.
 
     Examples
     --------
@@ -944,6 +946,8 @@ def order_of(readings: Readings) -> tuple[str, bool]:
         return "", False
     if by_speed > min(by_load, FOLLOWS):
         return "speed", True
+    if len(sizes := np.unique(np.abs(values))) == 1:  # the digits that are written say it
+        return min(last_digit(sizes.tolist()), COARSEST * frame.size)
     group = _grouped(load, NEAR_LOAD)
     within = order - (np.bincount(group, order) / np.bincount(group))[group]
     return "load", not within.any() or _explained(within, speeds) > FOLLOWS
