@@ -5,6 +5,7 @@ import pytest
 from benchmarks.posterior.study import AXIS, of_joint, repeated, specimens
 
 from stickslip import Measurement, select
+from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import COEFFICIENT
 from stickslip.identify.problems.table_model import (
@@ -432,6 +433,20 @@ def test_two_levels_of_friction_are_no_rounding():
     rows = Rows(velocity=SPEEDS, load=np.ones(20), inputs={}, run=np.zeros(20, int), order=SPEEDS)
     readings = Readings.of(rows, friction)
     assert step_of(readings, Frame.of(readings)) == 0.0
+
+
+def test_readings_at_both_limits_of_a_sensor_are_judged_beside_the_others():
+    v = np.repeat(np.linspace(0.05, 1.0, 20), 2)
+    v = np.concatenate([v, -v])
+    noise = 0.05 * np.random.default_rng(0).normal(size=len(v))
+    read = np.clip(2.0 * np.sign(v) + 3.0 * v + noise, -2.6, 2.6)
+    found, terms = limits(v, read)
+    assert terms == ["clipping", "clipping"]
+    held = {one.path.rpartition(".")[2]: one for one in found.intervals}
+    assert held["viscous_coefficient"].low < 3.0 < held["viscous_coefficient"].high
+    assert held["kinetic_coefficient"].low < 2.0 < held["kinetic_coefficient"].high
+    with pytest.raises(InputError, match="larger range"):  # two speeds are below
+        limits(v, np.clip(read, -2.3, 2.3))
 
 
 @pytest.mark.parametrize("repeats", [1, 2])

@@ -3,7 +3,7 @@
 import copy
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -121,6 +121,12 @@ DIRECTIONS: tuple[tuple[str, ...], ...] = (
 )
 """What of a law may differ by direction; under several loads a level, in place of an offset."""
 
+LIMITED = (
+    "{} of {} readings are at a limit of the sensor, and the others are at too few speeds for a law"
+    " of friction: measure again with a sensor of a larger range, or leave these readings out. {}"
+)
+"""What is said where too few readings are beside limits."""
+
 
 @dataclass(eq=False)
 class TableProblem(Problem):
@@ -184,19 +190,14 @@ class TableProblem(Problem):
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
         fit, rests = fitted(table, known), table.at_rest
-        limits, reached = list[Finding](), list[Limit]()
-        for limit in limits_of(table):
-            others = limit.others(table)
-            if not _moves(others.rows):
-                continue
-            beside = cls(others, fitted(others, known), turning=turning)
-            if (finding := beside.limited(limit, table, fit)).asserted:
-                limits.append(finding)
-                reached.append(limit)
+        reached = {x: y for x, y in cls._limits(table, fit, known, turning) if y.asserted}
+        limits = list(reached.values())
         free = np.ones(len(table.friction), dtype=bool)
         if limits:
-            fit, free = censored(table, reached, known)
-            table = table.where(free)
+            free = at_none(table, reached)
+            if not _moves(table.rows.where(free)):
+                raise InputError(LIMITED.format(np.sum(~free), len(free), limits[0].sentence))
+            fit, table = censored(table, [*reached], known), table.where(free)
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow) and not limits:
@@ -213,6 +214,24 @@ class TableProblem(Problem):
             table, fit, turning=turning, rests=rests, families=families, load_error=unsure,
             limits=limits, unlimited=free if limits else None,
         )  # fmt: skip
+
+    @classmethod
+    def _limits(
+        cls, table: Readings, fit: TableFit, known: Sequence[Family], turning: bool
+    ) -> "Iterator[tuple[Limit, Finding]]":
+        """Yield limits that the sensor of a table with a fit may have, beside readings at none.
+
+        Readings at one limit would tell that friction does not go beyond another.
+        """
+        possible = [*limits_of(table)]
+        rest = table.where(at_none(table, possible))
+        if not possible or len(rest.friction) < FEW_SPEEDS:
+            return
+        beside = cls(rest, fitted(rest, known), turning=turning)
+        for limit in possible:
+            others = [x for x in possible if x is not limit]
+            every = fitted(table.where(at_none(table, others)), known) if others else fit
+            yield limit, beside.limited(limit, table, every)
 
     def limited(self, limit: Limit, table: Readings, fit: TableFit) -> Finding:
         """Return the limit of a sensor beside which these readings of a table are the others."""
@@ -887,14 +906,16 @@ class TableProblem(Problem):
         return {int(places[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
 
 
-def censored(
-    table: Readings, limits: Sequence[Limit], families: Sequence[Family]
-) -> "tuple[TableFit, NDArray[np.bool_]]":
-    """Return the fit of readings of which some are at limits, and which are none of them (n,)."""
-    free = np.ones(len(table.friction), dtype=bool)
-    for limit in limits:
-        free[limit.rows] = False
-    problem = TableProblem(table.where(free), fitted(table.where(free), families))
+def at_none(table: Readings, limits: Iterable[Limit]) -> "NDArray[np.bool_]":
+    """Return which readings of a table are at none of some limits (n,)."""
+    reached = [row for limit in limits for row in limit.rows.tolist()]
+    return ~np.isin(np.arange(len(table.friction)), reached)
+
+
+def censored(table: Readings, limits: Sequence[Limit], families: Sequence[Family]) -> TableFit:
+    """Return the fit of readings of which some are at limits."""
+    others = table.where(at_none(table, limits))
+    problem = TableProblem(others, fitted(others, families))
     known = replace(table, friction=table.friction.copy(), stated=table.stated.copy())
     for again in (False, True):
         for limit in limits:
@@ -910,7 +931,7 @@ def censored(
             value, error = limit.site(middle, variance, noise, rows.direction)
             known.friction[limit.rows], known.stated[limit.rows] = value, error
         problem = TableProblem(table, fitted(known, families))
-    return problem.fit, free
+    return problem.fit
 
 
 def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
