@@ -456,3 +456,14 @@ def test_equal_readings_tell_friction_to_their_last_digit(repeats):
     band = found.band(found.problem.at(v))
     assert np.all((band.low <= level) & (level <= band.high))
     assert np.all(band.high - band.low < 0.15)
+
+
+def test_a_smooth_misfit_of_a_sorted_file_is_no_drift():
+    v = np.linspace(5.0, 600.0, 22) * np.pi / 30.0
+    true = 0.4 * v / (1.0 + (v / 8.0) ** 2) ** 0.25
+    read = true * (1.0 + 0.015 * np.random.default_rng([80211, 3]).normal(size=len(v)))
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=read)))
+    band = found.band(found.problem.at(v))
+    assert np.mean((band.low <= true) & (true <= band.high)) >= 0.9
+    assert found.known < 0.06  # as a drift, .49
+    assert not any(item.term == "drift" and item.asserted for item in found.findings)

@@ -70,11 +70,13 @@ SIDES_PRIOR = (0.5, 0.25, 0.15, 0.1)
 ALIKE, APART = 0.003, 0.25
 """Deviation of a difference between directions where they are alike, and where they are not."""
 DRIFTS = (0.002, 0.02, 0.12, 0.4)
-DRIFT_PRIOR, SORTED_PRIOR = (0.93, 0.045, 0.02, 0.005), (0.985, 0.0135, 0.001, 0.0005)
+DRIFT_PRIOR, SORTED_PRIOR = (0.93, 0.045, 0.02, 0.005), (0.91, 0.06, 0.028, 0.002)
 """Change of friction over the order of the readings: 1 careful table in 14 drifts by more than some
-parts in a thousand (with 1 in 7, a drift that no noisy table excludes was a third of the band).
-Files are sorted: an order that follows the speed says nothing of time (12 tables of joints: bands
-of 6 to 44 % fell to 1 to 3 %)."""
+parts in a thousand (with 1 in 7, a drift that no noisy table excludes was a third of the band)."""
+OF_TIME = 0.02
+"""Prior of a drift where the order follows the speed: files are sorted, and such a course is rather
+a smooth one over the speed that no law says, which 3 to 6 % of the friction of real joints is. A
+Gaussian process is rougher, so that without these courses the drift was what explains them."""
 FOLLOWS = 0.8
 """Adjusted share of the order that speeds or loads explain from which it follows them, and share
 of an input that runs explain."""
@@ -131,6 +133,8 @@ SUSPECT = (3.0, 8.0)
 AT_ENDS = 0.6
 """Share of friction by which a reading alone at the slowest or fastest speed may be off, so that it
 may be friction, such as a static surplus, as well as an outlier: half of the draws take it so."""
+FAR = 1e3
+"""Logarithm of a speed that is beyond any."""
 NEAR = 0.02
 """Difference of logarithms of speeds up to which readings are repeats ..."""
 NEAR_LOAD = 0.05
@@ -173,6 +177,11 @@ class Rows:
     def direction(self) -> Array:
         """Signs of the velocities (n,)."""
         return np.where(self.velocity < 0.0, -1.0, 1.0)
+
+    @property
+    def along(self) -> Array:
+        """Numbers (n,) that rise with the logarithm of the speed, below 0 where that is against."""
+        return np.asarray(self.direction * (FAR + np.log(self.speed)))
 
     def where(self, kept: "NDArray[np.bool_] | Integers") -> "Rows":
         """Return some of the rows."""
@@ -582,9 +591,8 @@ class Reference:
 def running_medians(readings: Readings, grown: Array | float = 1.0) -> Array:
     """Return medians over the speed and direction of the size of friction over a growth (n,)."""
     rows, n = readings.rows, len(readings.friction)
-    x = rows.direction * (10.0 + np.log(rows.speed / rows.speed.min() + 1e-6))
     over = np.abs(readings.friction) / grown
-    order, half, result = np.argsort(x, kind="stable"), 1 + n // 25, np.empty(n)
+    order, half, result = np.argsort(rows.along, kind="stable"), 1 + n // 25, np.empty(n)
     for place, row in enumerate(order):
         first = min(max(0, place - half), n - 2 * half - 1)
         result[row] = np.median(over[order[max(0, first) : max(0, first) + 2 * half + 1]])
@@ -629,6 +637,9 @@ class TableModel(Model):
             )
 
         drift = SORTED_PRIOR if self.is_sorted else DRIFT_PRIOR
+        if self.is_sorted and not self.is_by_speed:
+            more = [OF_TIME * x for x in drift[1:]]
+            drift = (1.0 - sum(more), *more)
         four = range(len(SIDES))
         return (
             Scale(name="noise", values=tuple(noise), prior=tuple(np.exp(-0.5 * flat**2))),
@@ -666,6 +677,23 @@ class TableModel(Model):
     def tau(self, node: Node) -> float:
         """Return the deviation of what no law says at a node [N]."""
         return RHO[node[1]] * self.sigma(node)
+
+    def unexplained(self, node: Node) -> float:
+        """Return the deviation of all that no law says at a node, also along a sorted file [N]."""
+        course = DRIFTS[node[5]] * self.frame.size if self.is_by_speed and node[5] else 0.0
+        return max(self.tau(node), course)
+
+    @property
+    def is_by_speed(self) -> bool:
+        """Whether a course over the order may be one over the speed."""
+        return self.is_sorted and self.ordered_by == "speed"
+
+    def sorted_in(self, rows: Rows) -> Rows:
+        """Return rows at the places in the order at which their speeds were measured."""
+        own = self.readings.rows
+        known, at = np.unique(own.along, return_inverse=True)
+        order = np.bincount(at, own.order) / np.bincount(at)
+        return replace(rows, order=np.interp(rows.along, known, order))
 
     def shared(self, node: Node) -> float:
         """Return the variance of what readings of a block share at a node.
@@ -918,6 +946,8 @@ def step_of(readings: Readings, frame: Frame) -> float:
     """
     values = np.unique(readings.friction)
     gaps = np.diff(values)
+    if len(sizes := np.unique(np.abs(values))) == 1:  # the digits that are written say it
+        return min(last_digit(sizes.tolist()), COARSEST * frame.size)
     if 0 < len(gaps) < FEW_GAPS and len(readings.friction) >= OF_EACH * len(values):
         steps = values / gaps.min()
         if gaps.min() < COARSEST * frame.size and np.allclose(steps, np.rint(steps), 0.0, 1e-6):
@@ -946,8 +976,6 @@ def order_of(readings: Readings) -> tuple[str, bool]:
         return "", False
     if by_speed > min(by_load, FOLLOWS):
         return "speed", True
-    if len(sizes := np.unique(np.abs(values))) == 1:  # the digits that are written say it
-        return min(last_digit(sizes.tolist()), COARSEST * frame.size)
     group = _grouped(load, NEAR_LOAD)
     within = order - (np.bincount(group, order) / np.bincount(group))[group]
     return "load", not within.any() or _explained(within, speeds) > FOLLOWS
