@@ -636,10 +636,10 @@ class TableModel(Model):
                 name=name, values=tuple(values)[kept], prior=tuple(prior)[kept] if used else (1.0,)
             )
 
-        drift = SORTED_PRIOR if self.is_sorted else DRIFT_PRIOR
+        drift: tuple[float, ...] = SORTED_PRIOR if self.is_sorted else DRIFT_PRIOR
         if self.is_sorted and not self.is_by_speed:
             more = [OF_TIME * x for x in drift[1:]]
-            drift = (1.0 - sum(more), *more)
+            drift = 1.0 - sum(more), *more
         four = range(len(SIDES))
         return (
             Scale(name="noise", values=tuple(noise), prior=tuple(np.exp(-0.5 * flat**2))),
