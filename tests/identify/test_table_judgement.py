@@ -467,3 +467,16 @@ def test_a_smooth_misfit_of_a_sorted_file_is_no_drift():
     assert np.mean((band.low <= true) & (true <= band.high)) >= 0.9
     assert found.known < 0.06  # as a drift, .49
     assert not any(item.term == "drift" and item.asserted for item in found.findings)
+
+
+def test_readings_that_show_a_fall_in_one_direction_are_no_outliers():
+    # readings of five speeds each way, of which friction falls by more where the body moves ahead
+    u = np.array([0.0049, 0.0164, 0.0556, 0.1961, 0.6915])
+    back = [-109.6672, -110.7145, -107.7804, -93.6896, -143.7504]
+    ahead = [149.5111, 150.5617, 145.1030, 107.6560, 152.5792]
+    v, read = np.concatenate([-u, u]), np.array([*back, *ahead])
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=read)))
+    assert np.all(found.problem.weights == 1.0)
+    true = np.array([-95.666, -142.552, 106.2162, 150.4768])  # two of them 7 noises beside
+    band = found.band(found.problem.at(np.array([-0.1961, -0.6915, 0.1961, 0.6915])))
+    assert np.all((band.low <= true) & (true <= band.high))
