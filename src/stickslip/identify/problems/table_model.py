@@ -130,9 +130,10 @@ BEHIND, LOST = 12.0, 8.0
 """Logarithm of the weight from which structures are not refined, or dropped after one turn."""
 SUSPECT = (3.0, 8.0)
 """Deviations from which a reading may be an outlier, and what few readings add to that."""
-OUTLIER_PRIOR = 0.02
-"""Prior of a reading to be an outlier. Without it a fall of friction in one direction, which some
-readings show, was two outliers of ten (band 7 noises beside the truth)."""
+OUTLIER_PRIOR = 0.01
+"""Prior of a reading to be an outlier; at an end it may be friction as well. Without it a fall of
+friction in one direction, which some readings show, was two outliers of ten (band 7 noises beside
+the truth)."""
 AT_ENDS = 0.6
 """Share of friction by which a reading alone at the slowest or fastest speed may be off, so that it
 may be friction, such as a static surplus, as well as an outlier: half of the draws take it so."""
@@ -1033,7 +1034,7 @@ def fitted(readings: Readings, families: Sequence[Family] | None = None) -> Tabl
     readings tell which are.
     """
     fit = _settled(readings, families, suspected=True)
-    suspects = int(np.sum(fit.model.weights < 1.0))
+    suspects = int(np.sum((fit.model.weights < 1.0) & ~ends_of(readings.rows)))
     if suspects and readings.total == len(readings.friction):
         every = _settled(readings, families, suspected=False)
         if every.posterior.evidence > fit.posterior.evidence + suspects * math.log(OUTLIER_PRIOR):
