@@ -63,9 +63,10 @@ BETA = (0.0, 0.8, 1.4, 2.5, 4.2, 7.2, 12.0, 21.0, 36.0, 62.0, 110.0, 190.0)
 BETA_PRIOR = (0.35, 0.1, 0.1, 0.1, 0.1, 0.08, 0.06, 0.05, 0.03, 0.01, 0.01, 0.01)
 """Deviation between blocks over the noise within; repeats may be copies, without any noise."""
 SIDES = (
-    (), ("offset",), ("offset", "viscous_direction"), ("offset", "viscous_direction", "sides"),
+    (), ("offset",), ("offset", "viscous_direction"), ("offset", "sides"),
+    ("offset", "viscous_direction", "sides"),
 )  # fmt: skip
-SIDES_PRIOR = (0.5, 0.25, 0.15, 0.1)
+SIDES_PRIOR = (0.5, 0.22, 0.15, 0.09, 0.04)
 """What differs by direction."""
 ALIKE, APART = 0.003, 0.25
 """Deviation of a difference between directions where they are alike, and where they are not."""
@@ -644,7 +645,6 @@ class TableModel(Model):
         if self.is_sorted and not self.is_by_speed:
             more = [OF_TIME * x for x in drift[1:]]
             drift = 1.0 - sum(more), *more
-        four = range(len(SIDES))
         return (
             Scale(name="noise", values=tuple(noise), prior=tuple(np.exp(-0.5 * flat**2))),
             Scale(
@@ -654,7 +654,7 @@ class TableModel(Model):
             ),
             Scale(name="growth", values=(0.0, 1.0), prior=NOISES_PRIOR, ordered=False),
             of("block", BETA, BETA_PRIOR, self.repeats),
-            replace(of("sides", four, SIDES_PRIOR, frame.both), ordered=False),
+            replace(of("sides", range(len(SIDES)), SIDES_PRIOR, frame.both), ordered=False),
             Scale(name="drift", values=DRIFTS, prior=drift),
             of("run", RUNS, RUNS_PRIOR, frame.runs > 1),
             replace(of("run part", (0.0, 1.0), (0.5, 0.5), frame.runs > 1), ordered=False),
@@ -715,6 +715,7 @@ class TableModel(Model):
         """Return nodes over the range of the noise and of what no law says."""
         noise = np.array(self.scales[0].values)
         spread = np.ptp(np.log(self.reference(self.readings.rows))) > 0.5
+        sides = len(SIDES) - 1 if self.frame.both else 0
         more = (1 if self.frame.runs > 1 else 0, 0, *(3 for _ in self.frame.means))
         result = []
         for sigma in (0.002, 0.006, 0.02, 0.06, 0.2, 0.6, 1.2):
@@ -722,7 +723,7 @@ class TableModel(Model):
             for delta, growth, block in itertools.product(
                 (0, 3, 6), {0, int(spread)}, (0, 5) if self.repeats else (0,)
             ):
-                result.append((at, delta, growth, block, 3 if self.frame.both else 0, 1, *more))
+                result.append((at, delta, growth, block, sides, 1, *more))
         return result
 
     def growth(self, rows: Rows, node: Node) -> Array:
