@@ -5,6 +5,7 @@ import pytest
 from benchmarks.posterior.study import AXIS, of_joint, repeated, specimens
 
 from stickslip import Measurement, select
+from stickslip.errors import InputError
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import COEFFICIENT
 from stickslip.identify.problems.table_model import (
@@ -432,3 +433,50 @@ def test_two_levels_of_friction_are_no_rounding():
     rows = Rows(velocity=SPEEDS, load=np.ones(20), inputs={}, run=np.zeros(20, int), order=SPEEDS)
     readings = Readings.of(rows, friction)
     assert step_of(readings, Frame.of(readings)) == 0.0
+
+
+def test_readings_at_both_limits_of_a_sensor_are_judged_beside_the_others():
+    v = np.repeat(np.linspace(0.05, 1.0, 20), 2)
+    v = np.concatenate([v, -v])
+    noise = 0.05 * np.random.default_rng(0).normal(size=len(v))
+    read = np.clip(2.0 * np.sign(v) + 3.0 * v + noise, -2.6, 2.6)
+    found, terms = limits(v, read)
+    assert terms == ["clipping", "clipping"]
+    held = {one.path.rpartition(".")[2]: one for one in found.intervals}
+    assert held["viscous_coefficient"].low < 3.0 < held["viscous_coefficient"].high
+    assert held["kinetic_coefficient"].low < 2.0 < held["kinetic_coefficient"].high
+    with pytest.raises(InputError, match="larger range"):  # two speeds are below
+        limits(v, np.clip(read, -2.3, 2.3))
+
+
+@pytest.mark.parametrize("repeats", [1, 2])
+def test_equal_readings_tell_friction_to_their_last_digit(repeats):
+    v, level = np.repeat(SPEEDS, repeats), 3.14
+    found, _ = limits(v, np.full(len(v), 3.1))
+    band = found.band(found.problem.at(v))
+    assert np.all((band.low <= level) & (level <= band.high))
+    assert np.all(band.high - band.low < 0.15)
+
+
+def test_a_smooth_misfit_of_a_sorted_file_is_no_drift():
+    v = np.linspace(5.0, 600.0, 22) * np.pi / 30.0
+    true = 0.4 * v / (1.0 + (v / 8.0) ** 2) ** 0.25
+    read = true * (1.0 + 0.015 * np.random.default_rng([80211, 3]).normal(size=len(v)))
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=read)))
+    band = found.band(found.problem.at(v))
+    assert np.mean((band.low <= true) & (true <= band.high)) >= 0.9
+    assert found.known < 0.06  # as a drift, .49
+    assert not any(item.term == "drift" and item.asserted for item in found.findings)
+
+
+def test_readings_that_show_a_fall_in_one_direction_are_no_outliers():
+    # readings of five speeds each way, of which friction falls by more where the body moves ahead
+    u = np.array([0.0049, 0.0164, 0.0556, 0.1961, 0.6915])
+    back = [-109.6672, -110.7145, -107.7804, -93.6896, -143.7504]
+    ahead = [149.5111, 150.5617, 145.1030, 107.6560, 152.5792]
+    v, read = np.concatenate([-u, u]), np.array([*back, *ahead])
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=read)))
+    assert np.all(found.problem.weights == 1.0)
+    true = np.array([-95.666, -142.552, 106.2162, 150.4768])  # two of them 7 noises beside
+    band = found.band(found.problem.at(np.array([-0.1961, -0.6915, 0.1961, 0.6915])))
+    assert np.all((band.low <= true) & (true <= band.high))

@@ -76,10 +76,6 @@ class Limit:
         size = np.maximum(s**2 / np.maximum(r * (z + r), ROUNDING) - variance, noise**2)
         return way * (way * middle + s / (z + r)), np.sqrt(size - noise**2)
 
-    def others(self, table: Readings) -> Readings:
-        """Return the readings that are not at the limit."""
-        return table.where(~np.isin(np.arange(len(table.friction)), self.rows))
-
     def probability(
         self, every: float, other: float, readings: Array, size: float, sigma: float, step: float
     ) -> float:

@@ -3,7 +3,7 @@
 import copy
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -59,7 +59,7 @@ from stickslip.identify.problems.table_model import (
     MOST,
     MOST_ROWS,
     NEAR,
-    RHO,
+    OF_TIME,
     SCALES,
     SIDES,
     Frame,
@@ -120,6 +120,12 @@ DIRECTIONS: tuple[tuple[str, ...], ...] = (
     ("offset", "stribeck_sides", "viscous_direction"),
 )
 """What of a law may differ by direction; under several loads a level, in place of an offset."""
+
+LIMITED = (
+    "{} of {} readings are at a limit of the sensor, and the others are at too few speeds for a law"
+    " of friction: measure again with a sensor of a larger range, or leave these readings out. {}"
+)
+"""What is said where too few readings are beside limits."""
 
 
 @dataclass(eq=False)
@@ -184,19 +190,14 @@ class TableProblem(Problem):
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
         fit, rests = fitted(table, known), table.at_rest
-        limits, reached = list[Finding](), list[Limit]()
-        for limit in limits_of(table):
-            others = limit.others(table)
-            if not _moves(others.rows):
-                continue
-            beside = cls(others, fitted(others, known), turning=turning)
-            if (finding := beside.limited(limit, table, fit)).asserted:
-                limits.append(finding)
-                reached.append(limit)
+        reached = {x: y for x, y in cls._limits(table, fit, known, turning) if y.asserted}
+        limits = list(reached.values())
         free = np.ones(len(table.friction), dtype=bool)
         if limits:
-            fit, free = censored(table, reached, known)
-            table = table.where(free)
+            free = at_none(table, reached)
+            if not _moves(table.rows.where(free)):
+                raise InputError(LIMITED.format(np.sum(~free), len(free), limits[0].sentence))
+            fit, table = censored(table, [*reached], known), table.where(free)
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow) and not limits:
@@ -213,6 +214,24 @@ class TableProblem(Problem):
             table, fit, turning=turning, rests=rests, families=families, load_error=unsure,
             limits=limits, unlimited=free if limits else None,
         )  # fmt: skip
+
+    @classmethod
+    def _limits(
+        cls, table: Readings, fit: TableFit, known: Sequence[Family], turning: bool
+    ) -> "Iterator[tuple[Limit, Finding]]":
+        """Yield limits that the sensor of a table with a fit may have, beside readings at none.
+
+        Readings at one limit would tell that friction does not go beyond another.
+        """
+        possible = [*limits_of(table)]
+        rest = table.where(at_none(table, possible))
+        if not possible or len(rest.friction) < FEW_SPEEDS:
+            return
+        beside = cls(rest, fitted(rest, known), turning=turning)
+        for limit in possible:
+            others = [x for x in possible if x is not limit]
+            every = fitted(table.where(at_none(table, others)), known) if others else fit
+            yield limit, beside.limited(limit, table, every)
 
     def limited(self, limit: Limit, table: Readings, fit: TableFit) -> Finding:
         """Return the limit of a sensor beside which these readings of a table are the others."""
@@ -462,12 +481,10 @@ class TableProblem(Problem):
 
     def exact(self) -> float:
         """Return the probability that what no law says is below the noise."""
-        small = [item <= BELOW_NOISE for item in RHO]
-        breaks = [
-            any(map(is_break, family_of(structure))) for structure in self.posterior.structures
-        ]
-        none = 1.0 - float(self.posterior.shares[breaks].sum())
-        return none * float(self.posterior.scale("delta")[small].sum())
+        model, nodes = self.model, self.posterior.nodes
+        small = [model.unexplained(x) <= BELOW_NOISE * model.sigma(x) for x in nodes]
+        laws = [not any(map(is_break, family_of(item))) for item in self.posterior.structures]
+        return float(self.posterior.weights[np.outer(small, laws)].sum())
 
     def composition(
         self,
@@ -561,7 +578,7 @@ class TableProblem(Problem):
         every: dict[Family, float] = {}
         adequate: dict[Family, float] = {}
         for k, node in enumerate(self.posterior.nodes):
-            small = self.model.tau(node) <= tolerance * self.size
+            small = self.model.unexplained(node) <= tolerance * self.size
             for family, p in zip(
                 self._families[k], self.posterior.weights[k].tolist(), strict=True
             ):
@@ -578,7 +595,7 @@ class TableProblem(Problem):
     def nothing(self) -> "NDArray[np.bool_]":
         """Return the nodes and structures (k, s) at which there is no friction."""
         none = np.array([not structure for structure in self.posterior.structures])
-        still = np.array([node[1] == 0 for node in self.posterior.nodes])
+        still = np.array([not self.model.unexplained(node) for node in self.posterior.nodes])
         return np.asarray(still[:, None] & none)
 
     # ---- curves -----------------------------------------------------------------------------
@@ -607,10 +624,19 @@ class TableProblem(Problem):
 
     def steady(self, rows: Rows, draws: Sequence[Draws]) -> Array:
         """Return drawn curves alone (k, n): midway unless stated, in the mean of the runs."""
-        x, group = self.model.random(rows)
-        x = x * (group != "run")
-        beside = np.hstack([draw.random for draw in draws]).T @ x.T
-        return np.asarray(self._law(rows, draws) + beside)
+        result, random = self._law(rows, draws), np.hstack([draw.random for draw in draws])
+        by_speed = self._by_speed(draws)
+        for at, own in ((~by_speed, rows), (by_speed, self.model.sorted_in(rows))):
+            if at.any():
+                x, group = self.model.random(own)
+                result[at] += random[:, at].T @ (x * (group != "run")).T
+        return result
+
+    def _by_speed(self, draws: Sequence[Draws]) -> "NDArray[np.bool_]":
+        """Return in which draws (k,) the course over a sorted order is one over the speed."""
+        courses = of_each(draws, lambda x: x.node[5] * self.model.is_by_speed) > 0.0
+        of_time = np.diff(np.floor(OF_TIME * np.cumsum(courses) + 0.5), prepend=0.0) > 0.0
+        return np.asarray(courses & ~of_time)
 
     def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
         """Return what friction is in draws (k, n): early, midway or late, in any or a new run."""
@@ -618,11 +644,12 @@ class TableProblem(Problem):
         curves = self._law(rows, draws)
         random = np.hstack([draw.random for draw in draws])
         when = rng.integers(3, size=len(curves))
-        stated = np.isfinite(rows.order)
-        for k, time in enumerate((0.0, 0.5, 1.0)):
-            at = np.full(len(when), not k) if stated.all() else when == k
+        stated, by_speed = np.isfinite(rows.order), self._by_speed(draws)
+        when = np.where(by_speed, 3, 0 if stated.all() else when)
+        moments = [replace(rows, order=np.where(stated, rows.order, x)) for x in (0.0, 0.5, 1.0)]
+        for k, own in enumerate([*moments, self.model.sorted_in(rows)]):
+            at = when == k
             if at.any():
-                own = replace(rows, order=np.where(stated, rows.order, time))
                 x, group = self.model.random(own)
                 curves[at] += random[:, at].T @ x.T
         if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
@@ -637,7 +664,8 @@ class TableProblem(Problem):
             effect = other if is_new else effects[:, which, np.arange(count)]
             curves += effect.T @ self.model.run_parts(rows).T
         if np.all(rows.run == -2):  # at another time friction is off by as much as it drifts
-            off = of_each(draws, lambda x: DRIFTS[x.node[5]]) * rng.normal(size=len(curves))
+            deviations = of_each(draws, lambda x: DRIFTS[x.node[5]]) * ~by_speed
+            off = deviations * rng.normal(size=len(curves))
             curves += np.outer(off, self.model.reference(rows) * rows.direction)
         curves += self._at_ends(rows, draws)
         return np.asarray(curves + self._beyond(rows, draws, curves, rng))
@@ -698,7 +726,7 @@ class TableProblem(Problem):
             np.maximum(math.log(frame.slowest) - logs, 0.0),
             np.maximum(logs - math.log(frame.fastest), 0.0),
         )
-        tau = of_each(draws, lambda x: self.model.tau(x.node))
+        tau = of_each(draws, lambda x: self.model.unexplained(x.node))
         result = np.zeros_like(curves)
         for own in far:
             e = rng.normal(size=(2, len(curves)))
@@ -788,11 +816,12 @@ class TableProblem(Problem):
         change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
         unit = "N m" if self.turning else "N"
         first, last = (quantity(float(np.median(end)), unit, 3) for end in ends)
+        likely = 1.0 - float(self.posterior.scale("drift")[0])
         verb = "falls" if np.median(change) < 0.0 else "rises"
         return stated(
             "drift",
             "drift in the order of measuring",
-            1.0 - float(self.posterior.scale("drift")[0]),
+            likely * (OF_TIME if self.model.is_by_speed else 1.0),
             change,
             f"Friction {verb} over the readings, from {first} at the first to {last} at the last.",
         )
@@ -887,14 +916,16 @@ class TableProblem(Problem):
         return {int(places[k]): float(far[k]) for k in np.flatnonzero(far > THRESHOLDS.outlying)}
 
 
-def censored(
-    table: Readings, limits: Sequence[Limit], families: Sequence[Family]
-) -> "tuple[TableFit, NDArray[np.bool_]]":
-    """Return the fit of readings of which some are at limits, and which are none of them (n,)."""
-    free = np.ones(len(table.friction), dtype=bool)
-    for limit in limits:
-        free[limit.rows] = False
-    problem = TableProblem(table.where(free), fitted(table.where(free), families))
+def at_none(table: Readings, limits: Iterable[Limit]) -> "NDArray[np.bool_]":
+    """Return which readings of a table are at none of some limits (n,)."""
+    reached = [row for limit in limits for row in limit.rows.tolist()]
+    return ~np.isin(np.arange(len(table.friction)), reached)
+
+
+def censored(table: Readings, limits: Sequence[Limit], families: Sequence[Family]) -> TableFit:
+    """Return the fit of readings of which some are at limits."""
+    others = table.where(at_none(table, limits))
+    problem = TableProblem(others, fitted(others, families))
     known = replace(table, friction=table.friction.copy(), stated=table.stated.copy())
     for again in (False, True):
         for limit in limits:
@@ -910,7 +941,7 @@ def censored(
             value, error = limit.site(middle, variance, noise, rows.direction)
             known.friction[limit.rows], known.stated[limit.rows] = value, error
         problem = TableProblem(table, fitted(known, families))
-    return problem.fit, free
+    return problem.fit
 
 
 def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
