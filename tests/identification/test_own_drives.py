@@ -121,15 +121,15 @@ def test_what_is_inside_begins_where_the_record_says():
         fitted(mechanism, replace(seen, initial={"x": 0.1, **start}))
 
 
-@pytest.mark.slow
-def test_runs_from_a_start_that_is_not_told_are_not_believed():
+def test_a_start_of_what_is_inside_that_nobody_states_is_unknown():
     mechanism, length, rate, noise = CASES["kicks"]
     found = fitted(
         mechanism, record(mechanism, length, rate, noise, y0={"xi": 0.03, "xi_dot": -0.2})
     )
-    assert not isinstance(found.judgement.problem, DrivenProblem)
     level = found.estimate("kinetic_coefficient")
     assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.01
+    assert runs_of(found).error == pytest.approx(noise, rel=0.15)
 
 
 @pytest.mark.slow

@@ -61,7 +61,7 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
 def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the states of a mechanism that drives itself which nobody measures.
 
-    They begin as the mechanism, or `Measurement.initial`, says.
+    They begin as a drive or `Measurement.initial` says, else unknown.
 
     Examples
     --------
