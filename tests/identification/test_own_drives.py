@@ -210,6 +210,19 @@ def test_a_balance_without_a_recorded_force_says_nothing_of_its_dead_zone():
     assert not any("dead zone" in sentence for sentence in found.sentences)
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_velocities_with_much_noise_leave_the_level_where_it_is(seed):
+    """The prior of a level has the size of friction under the load."""
+    mechanism, length, rate, noise = CASES["stroke"]
+    seen = record(mechanism, length, rate, noise, seed=seed)
+    velocity = np.gradient(seen.position, seen.time)
+    found = fitted(mechanism, Measurement(time=seen.time, velocity=velocity))
+    assert isinstance(found.judgement.problem, DrivenProblem)
+    level = found.estimate("kinetic_coefficient")
+    assert level.low <= 0.18 <= level.high
+    assert level.value == pytest.approx(0.18, abs=0.02)
+
+
 def test_a_motion_that_noise_leaves_no_row_of_is_refused():
     mechanism, length, rate, _ = CASES["stroke"]
     t = np.arange(0.0, length, 1.0 / rate)

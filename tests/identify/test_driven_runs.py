@@ -248,9 +248,7 @@ def test_a_constant_force_is_an_unknown_of_the_runs(servo):
 
 def test_a_plain_law_without_friction_is_left_to_the_balance(servo, record, monkeypatch):
     size = driven_runs.beside_law
-    monkeypatch.setattr(
-        driven_runs, "beside_law", lambda law, records: replace(size(law, records), size=0.0)
-    )
+    monkeypatch.setattr(driven_runs, "beside_law", lambda *known: replace(size(*known), size=0.0))
     assert followed(guessed(servo), record, servos.VARIED, doubts={}, hold="zero") is None
 
 

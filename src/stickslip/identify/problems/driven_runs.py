@@ -263,15 +263,15 @@ class Beside:
         return np.concatenate([still, usual - still]) / self.size
 
 
-def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
-    """Return friction beside a law of speed alone, for the speeds of records."""
+def beside_law(law: FrictionLaw, records: Sequence[Record], load: float) -> Beside:
+    """Return friction beside a law of speed alone under a load, for the speeds of records."""
     balance = Balance(records)
     speed = np.abs(np.concatenate([piece.velocity for piece in balance.pieces]))
     top = float(np.quantile(speed, QUICK))
     low = max(top / DECADES, float(np.quantile(speed, 1.0 - QUICK)))
     through = [x for x in map(through_gear, records) if x is not None]
     usual = float(np.median(np.abs(np.concatenate(through)))) if through else 0.0
-    size = math.sqrt(float(np.mean(np.square(law.steady(np.geomspace(low, top, ASKED), 1.0)))))
+    size = math.sqrt(float(np.mean(np.square(law.steady(np.geomspace(low, top, ASKED), load)))))
     geared = bool(balance.frame.transmitted)
     return Beside(slowest=low, fastest=top, size=size, transmitted=usual, geared=geared)
 
@@ -556,7 +556,7 @@ def followed(
         return None
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
-    beside = beside_law(first.law, records)
+    beside = beside_law(first.law, records, start.load)
     result = first.with_curve(beside) if beside.size > 0.0 else None
     return result if result is not None and result.determines_rig else None
 
