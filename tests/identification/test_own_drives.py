@@ -172,6 +172,18 @@ def test_runs_tell_friction_of_an_axis_that_drives_itself_beside_a_constant_forc
     assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
 
 
+@pytest.mark.parametrize(("force", "seed"), [(2.4, 2), (2.2, 3)])
+def test_a_level_at_rest_that_is_higher_leaves_the_kinetic_one_where_it_is(force, seed):
+    """The axis rests most of the time, so that breaking away decides where it slips."""
+    mechanism = replace(SHAKEN, drive=Sine(amplitude=force, frequency=0.7))
+    law = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.2)
+    found = fitted(mechanism, record(mechanism, 4.0, 100.0, 2e-4, law=law, seed=seed))
+    level = found.estimate("kinetic_coefficient")
+    assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.01
+    assert level.value == pytest.approx(0.18, abs=0.001)
+
+
 def test_runs_have_the_constant_force_that_is_fixed():
     seen = record(SHAKEN, 3.0, 100.0, 2e-4, law=SMOOTH)
     found = fit(SHAKEN, Coulomb, seen, fixed={"offset": 0.0})

@@ -150,6 +150,10 @@ FAST = 0.5
 that a viscous part is there at most."""
 LITTLE = 0.01
 """Share of a force that is next to nothing of it, and of samples that are few of them."""
+AT_REST = "friction.at_rest"
+"""Path of what break-away has above slow sliding ..."""
+USUAL_AT_REST, OF_REST = 0.05, 1.5
+"""... its usual share of friction, and the deviation of its logarithm before the runs."""
 OFFSET = "mechanism.offset"
 """Path of a constant force: a balance has it as a term, and takes it off."""
 UNSEEN = (
@@ -175,6 +179,8 @@ class BesideLaw(SetValuedLaw):
     """The same of what multiplies that which a gear transmits."""
     slowest: Annotated[float, Quantity("v", above=0)]
     fastest: Annotated[float, Quantity("v", above=0)]
+    at_rest: Annotated[float, Quantity("F_s", "N", low=0)]
+    """By how much the level of break-away is above friction of slow sliding."""
 
     def _beside(self, speed: Scalar) -> Scalar:
         x = place_of(speed, self.slowest, self.fastest)
@@ -191,8 +197,8 @@ class BesideLaw(SetValuedLaw):
         return self._bound.sliding(speed, load) + self._beside(speed)
 
     def break_away(self, load: Scalar) -> Scalar:
-        at_rest = self._bound.break_away(load) + self._beside(0.0)
-        return where(at_rest > 0.0, at_rest, 0.0)
+        level = self._bound.break_away(load) + self._beside(0.0) + self.at_rest
+        return where(level > 0.0, level, 0.0)
 
 
 @cache
@@ -422,9 +428,11 @@ class DrivenRuns:
         level = tuple(Number(value=c) for c in waves[:KNOTS])
         gear = tuple(Number(value=c) for c in waves[KNOTS:])
         inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
+        known = zip([item.path for item in self.items], rig.tolist(), strict=False)
         curve = _kind(tuple(inputs))(
-            law=law, level=level, gear=gear, slowest=beside.slowest, fastest=beside.fastest
-        )
+            law=law, level=level, gear=gear, slowest=beside.slowest, fastest=beside.fastest,
+            at_rest=dict(known)[AT_REST],
+        )  # fmt: skip
         of_rig = [item for item in self.items if item.path in self.given]
         own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
         own += [
@@ -438,7 +446,18 @@ class DrivenRuns:
 
     def with_curve(self, beside: Beside) -> "DrivenRuns":
         """Return runs with friction beside the law where they follow the readings."""
-        first, rig = replace(self, beside=beside), np.array([*self.rig.values()])
+        surplus = USUAL_AT_REST * beside.size
+        item = FreeParameter(
+            path=AT_REST, quantity=Quantity("F_s", "N", low=0), start=surplus, log=True,
+            low=surplus / WIDE**2, high=WIDE * surplus,
+        )  # fmt: skip
+        of_rig = [x for x in self.items if x.path in self.given]
+        first = replace(
+            self, beside=beside,
+            runs=self.runs.with_free_parameters(FreeParameters((*of_rig, item))),
+            given={**self.given, AT_REST: surplus}, doubts={**self.doubts, AT_REST: OF_REST},
+        )  # fmt: skip
+        rig = np.array([*self.rig.values(), surplus])
         rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
         return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
