@@ -117,8 +117,7 @@ MOST = 100.0
 CLOSELY = 5.0
 """What runs leave over the noise of readings, from which more is missing than friction."""
 MOST_LEFT = 0.2
-"""Deviation after the runs over that before, beyond which they tell little: friction that runs do
-not tell apart from the motor would be any."""
+"""Deviation after the runs over that before, from which words say that it is assumed."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
 FOLLOWING_STEPS = 8
@@ -472,20 +471,11 @@ class DrivenRuns:
         return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
 
     @property
-    def determines_rig(self) -> bool:
-        """Whether runs tell the parameters of the mechanism beside any friction."""
-        if not self.seen.finite or not self.share:  # of a body that sticks nothing depends
-            return False
-        count = len(self.sought)
-        if not count:
-            return True
-        of_rig = self.covariance(COEFFICIENT)[:count, :count]
-        has_prior = np.isfinite(self.sizes[:count])
-        left = np.sqrt(np.diag(of_rig)[has_prior])
-        left /= self.sizes[:count][has_prior] * self.seen.values[:count][has_prior]
-        size = np.sqrt(np.maximum(np.diag(of_rig), 1e-300))
-        least = np.linalg.eigvalsh(of_rig / np.outer(size, size))[0]
-        return bool(np.all(left <= MOST_LEFT) and least > ROUNDED)
+    def assumed(self) -> list[str]:
+        """Paths of what runs hardly tell beside any friction, so that its interval is the prior."""
+        left = np.sqrt(np.diag(self.covariance(COEFFICIENT)))
+        before = self.sizes * np.maximum(np.abs(self.seen.values), 1e-300)
+        return [path for path, x in zip(self.sought, left / before, strict=False) if x > MOST_LEFT]
 
     @property
     def is_followed(self) -> bool:
@@ -499,17 +489,18 @@ class DrivenRuns:
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        words = [f"the {parameter_words(path)}" for path in self.sought if path != OFFSET]
+        named = {path: f"the {parameter_words(path)}" for path in self.sought if path != OFFSET}
         driven = "its own drive"
         if any(segment.start for segment in self.runs.segments):
             driven = "the recorded voltage"
         if self.is_followed:
             constant = ["the constant force"] * (OFFSET in self.sought)
-            own = joined([*words, *constant, "friction"])
+            told = [words for path, words in named.items() if path not in self.assumed]
+            own = joined([*told, *constant, "friction"])
             return f"Runs of the mechanism under {driven} determine {own}."
-        if not words:
+        if not named:
             return ""
-        names = joined(words)
+        names = joined([*named.values()])
         of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
         return (
             f"Runs of the mechanism{of_gear} determine {names}; the force balance determines"
@@ -551,10 +542,11 @@ def followed(
     """Return runs that follow the readings; None where a balance tells what is unknown as well.
 
     That is so where a recorded force drives, or forces are linear in what is looked for, where a
-    plain law has no friction, which is the scale of the rest, and where runs do not tell parameters
-    apart either, as resistance and torque constant are not under friction that is the same at any
-    torque. A constant force, with `offset`, is unknown beside all else where the body moves both
-    ways: in one direction it is part of the level.
+    plain law has no friction, which is the scale of the rest, and where the body sticks. What runs
+    do not tell apart, as resistance and torque constant under friction that is the same at any
+    torque, is known as it was assumed about what was given. A constant force, with `offset`, is
+    unknown beside all else where the body moves both ways: in one direction it is part of the
+    level.
     """
     if not _is_run(mechanism, measurement, unknown):
         return None
@@ -577,7 +569,7 @@ def followed(
     records = records_of(rig, with_gear(rig, measurement))
     beside = beside_law(first.law, records, start.load)
     result = first.with_curve(beside) if beside.size > 0.0 else None
-    return result if result is not None and result.determines_rig else None
+    return result if result is not None and result.seen.finite and result.share else None
 
 
 def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
@@ -1047,4 +1039,13 @@ class DrivenProblem(Problem):
         return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
 
     def untold(self) -> list[str]:
-        return [UNSEEN.format(" a constant force or" * (OFFSET not in self.following.sought))]
+        result = [UNSEEN.format(" a constant force or" * (OFFSET not in self.following.sought))]
+        if assumed := self.following.assumed:
+            names = joined([path.rpartition(".")[2].replace("_", " ") for path in assumed])
+            together, most = " together" * (len(assumed) > 1), math.exp(1.96 * PRIOR)
+            result.append(
+                f"The {names}{together} cannot be distinguished from viscous friction beyond what"
+                f" is assumed, a factor of {most:.2g} (95 %) about the values given: fix one that"
+                " is known, or record swings with an open winding."
+            )
+        return result
