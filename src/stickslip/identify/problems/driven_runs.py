@@ -100,6 +100,7 @@ from stickslip.identify.problems.records import (
     candidates_of,
     parts_of,
 )
+from stickslip.identify.problems.run_laws import SPREADS
 from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
 from stickslip.identify.vocabulary import SIGNED, Grid
@@ -120,10 +121,9 @@ MOST_LEFT = 0.2
 """Deviation after the runs over that before, from which words say that it is assumed."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
-FOLLOWING_STEPS = 8
-"""Steps of the search, each time."""
 STEPS = 10
-"""Steps of an initial state at each: where a body sticks and slips there are many, and long."""
+"""Steps of the search, each time, and of an initial state at each: where a body sticks and slips
+there are many, and long."""
 KNOTS = 8
 """Speeds at which friction beside a law is free: about one for each e-fold that a servo has."""
 AT = leja(KNOTS)
@@ -151,8 +151,8 @@ LITTLE = 0.01
 """Share of a force that is next to nothing of it, and of samples that are few of them."""
 AT_REST = "friction.at_rest"
 """Path of what break-away has above slow sliding ..."""
-USUAL_AT_REST, OF_REST = 0.05, 1.5
-"""... its usual share of friction, and the deviation of its logarithm before the runs."""
+USUAL_AT_REST = 0.05
+"""... and its usual share of friction: runs that begin far above it stick, and tell no slope."""
 OFFSET = "mechanism.offset"
 """Path of a constant force: a balance has it as a term, and takes it off."""
 UNSEEN = (
@@ -404,7 +404,7 @@ class DrivenRuns:
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
             least = 2.0 * SETTLED * deviation**2
-            end = improve(prior, best.values, rounds=FOLLOWING_STEPS, least=least, near=best)
+            end = improve(prior, best.values, rounds=STEPS, least=least, near=best)
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
@@ -454,7 +454,8 @@ class DrivenRuns:
         first = replace(
             self, beside=beside,
             runs=self.runs.with_free_parameters(FreeParameters((*of_rig, item))),
-            given={**self.given, AT_REST: surplus}, doubts={**self.doubts, AT_REST: OF_REST},
+            given={**self.given, AT_REST: surplus},
+            doubts={**self.doubts, AT_REST: SPREADS["other"]},
         )  # fmt: skip
         rig = np.array([*self.rig.values(), surplus])
         rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
