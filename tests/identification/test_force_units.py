@@ -15,7 +15,7 @@ from stickslip import (
     TwoMassAxis,
     fit,
 )
-from stickslip.identify.fits.parameters import FreeParameter, FreeParameters, told
+from stickslip.identify.fits import unit_of as unit_of_path
 from stickslip.quantities import fields_of
 
 
@@ -66,17 +66,12 @@ def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit
     ],
 )  # fmt: skip
 def test_parameters_of_what_turns_keep_units_of_their_own(mechanism, units):
-    swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
-    unknowns = FreeParameters(
-        tuple(
-            FreeParameter(
-                path=f"mechanism.{name}", quantity=fields_of(type(mechanism))[name], start=1
-            )
-            for name in units
-        )
-    )
-    found = told(unknowns, mechanism, swing).items
-    assert [one.quantity.unit for one in found] == [*units.values()]
+    known = fields_of(type(mechanism))
+    shown = [
+        unit_of_path(f"mechanism.{name}", known[name], per_load=True, turning=True)
+        for name in units
+    ]
+    assert shown == [*units.values()]
 
 
 def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence():

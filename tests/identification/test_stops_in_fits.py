@@ -63,7 +63,7 @@ def shooting(rig, times, measured, guess):
         known=np.array([True, True]),
     )  # fmt: skip
     law = Coulomb(kinetic_coefficient=0.4)
-    return Shooting(law=law, free_parameters=FreeParameters((item,), {}), segments=(segment,))
+    return Shooting(law=law, free_parameters=FreeParameters((item,)), segments=(segment,))
 
 
 def test_slopes_that_a_run_does_not_have_are_differences_and_never_zero():

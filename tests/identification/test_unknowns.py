@@ -3,21 +3,12 @@
 import math
 
 import numpy as np
-import pytest
 
 from stickslip.identify.fits.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import Quantity
 
 LEVEL = FreeParameter(
     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0, low=0.0, high=9.0
-)
-ABOVE = FreeParameter(
-    path="friction.static_coefficient",
-    quantity=Quantity("mu_s"),
-    start=2.5,
-    low=0.0,
-    high=5.0,
-    above="friction.kinetic_coefficient",
 )
 SPEED = FreeParameter(
     path="friction.stribeck_velocity",
@@ -27,52 +18,40 @@ SPEED = FreeParameter(
     high=1.0,
     log=True,
 )
-ALL = FreeParameters((LEVEL, ABOVE, SPEED))
+ALL = FreeParameters((LEVEL, SPEED))
 
 
-def test_a_parameter_above_another_is_seen_as_the_surplus_and_a_size_as_its_logarithm():
-    np.testing.assert_allclose(ALL.coordinates(ALL.start), [2.0, 0.5, math.log(0.01)])
+def test_a_size_is_seen_as_its_logarithm():
+    np.testing.assert_allclose(ALL.coordinates(ALL.start), [2.0, math.log(0.01)])
 
 
 def test_values_come_back_from_coordinates():
-    values = np.array([3.0, 4.5, 0.2])
+    values = np.array([3.0, 0.2])
     # one logarithm and one exponential: rounding only
     np.testing.assert_allclose(ALL.values(ALL.coordinates(values)), values, rtol=1e-14)
 
 
 def test_slopes_are_those_of_the_values():
     at = ALL.coordinates(ALL.start)
-    for i in range(3):
-        step = np.zeros(3)
+    for i in range(2):
+        step = np.zeros(2)
         step[i] = 1e-6
         central = (ALL.values(at + step) - ALL.values(at - step)) / 2e-6
         # central differences of an exponential are off by the square of the step
-        np.testing.assert_allclose(ALL.slopes(at)[:, i], central, rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(np.diag(ALL.slopes(at))[:, i], central, rtol=1e-8, atol=1e-9)
 
 
 def test_coordinates_stay_inside_the_bounds():
-    seen = ALL.coordinates(np.array([-1.0, 40.0, 50.0]))
-    np.testing.assert_allclose(seen, [0.0, 5.0, 0.0])
+    seen = ALL.coordinates(np.array([-1.0, 50.0]))
+    np.testing.assert_allclose(seen, [0.0, 0.0])
     low, high = ALL.limits()
-    np.testing.assert_allclose(low, [0.0, 0.0, math.log(1e-3)])
-    np.testing.assert_allclose(high, [9.0, 5.0, 0.0])
-
-
-def test_a_level_below_the_one_it_stands_above_has_no_surplus():
-    values = ALL.values(ALL.coordinates(np.array([3.0, 2.0, 0.1])))
-    assert values[1] == pytest.approx(3.0)
-
-
-def test_the_level_that_is_stood_on_may_be_known_and_not_looked_for():
-    parameters = FreeParameters((ABOVE,), {"friction.kinetic_coefficient": 2.0})
-    np.testing.assert_allclose(parameters.coordinates(np.array([2.75])), [0.75])
-    np.testing.assert_allclose(parameters.values(np.array([0.75])), [2.75])
-    np.testing.assert_allclose(parameters.slopes(np.array([0.75])), [[1.0]])
+    np.testing.assert_allclose(low, [0.0, math.log(1e-3)])
+    np.testing.assert_allclose(high, [9.0, 0.0])
 
 
 def test_other_starts_change_nothing_else():
-    moved = ALL.starting_at([1.0, 2.0, 0.1])
-    np.testing.assert_allclose(moved.start, [1.0, 2.0, 0.1])
+    moved = ALL.starting_at([1.0, 0.1])
+    np.testing.assert_allclose(moved.start, [1.0, 0.1])
     assert moved.paths == ALL.paths
     np.testing.assert_array_equal(moved.limits(), ALL.limits())
 

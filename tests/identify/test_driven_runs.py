@@ -187,10 +187,10 @@ def test_a_value_of_zero_has_no_prior_and_runs_without_an_end_determine_nothing(
     none.values = np.where(np.isfinite(runs.sizes), runs.seen.values, 0.0)
     still = replace(runs, seen=none)
     np.testing.assert_array_equal(still.covariance(), runs.covariance())
-    assert still.determines_rig
+    assert not still.assumed
     lost = copy.copy(runs.seen)
     lost.residual = np.full_like(runs.seen.residual, np.inf)
-    assert not replace(runs, seen=lost).settled().determines_rig
+    assert not np.isfinite(replace(runs, seen=lost).settled().error)
 
 
 def test_segments_that_are_too_short_tell_no_noise(verdict):
@@ -248,9 +248,7 @@ def test_a_constant_force_is_an_unknown_of_the_runs(servo):
 
 def test_a_plain_law_without_friction_is_left_to_the_balance(servo, record, monkeypatch):
     size = driven_runs.beside_law
-    monkeypatch.setattr(
-        driven_runs, "beside_law", lambda law, records: replace(size(law, records), size=0.0)
-    )
+    monkeypatch.setattr(driven_runs, "beside_law", lambda *known: replace(size(*known), size=0.0))
     assert followed(guessed(servo), record, servos.VARIED, doubts={}, hold="zero") is None
 
 
@@ -261,9 +259,27 @@ def test_forces_that_are_linear_in_what_is_looked_for_need_no_runs():
     assert followed(Axis(inertia=1.0), pushed, ["mechanism.inertia"], doubts={}) is None
 
 
-def test_constants_that_runs_do_not_tell_apart_are_left_to_the_balance(servo):
-    plain = replace(servo, law=CoulombViscous(kinetic_coefficient=0.05, viscous_coefficient=0.02))
-    assert (
-        followed(guessed(servo), servos.recorded(plain), servos.VARIED, doubts={}, hold="zero")
-        is None
-    )
+@pytest.mark.parametrize("pushes", [0.0, 0.06])
+def test_constants_that_runs_do_not_tell_apart_are_known_as_assumed(pushes):
+    """Resistance, torque constant and viscous friction of an axis have a ridge of equal runs."""
+    servo = servos.draw(np.random.default_rng(2))
+    law = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.01)
+    t = np.arange(0.0, 8.0, servos.PERIOD)
+    volts = 4.0 * np.sin(4.4 * t) + 2.0 * np.sin(11.9 * t + 1.0)
+    motor = replace(servo.rig.drive, drive=Sampled(times=t, values=volts))
+    run = simulate(Axis(inertia=4e-3, offset=pushes, drive=motor), law, t_end=t[-1])
+    angle = servos.COUNT * np.round(run.at(t)["x"] / servos.COUNT)
+    record = Measurement(time=t, position=angle, voltage=volts, turning=True)
+    axis = Axis(inertia=4e-3, drive=guessed(servo).drive)
+    found = fit(axis, CoulombViscous, record, vary=["friction.*", *servos.VARIED])
+    assert isinstance(found.judgement.problem, DrivenProblem)
+    assert any("torque constant together cannot be dist" in line for line in found.sentences)
+    for path, true in {
+        "friction.kinetic_coefficient": 0.02,
+        "friction.viscous_coefficient": 0.01,
+        **{path: getattr(motor, path.rpartition(".")[2]) for path in servos.VARIED},
+    }.items():
+        own = found.estimate(path)
+        assert own.low <= true <= own.high
+    widely = found.estimate(RESISTANCE)
+    assert widely.high > 1.5 * widely.low

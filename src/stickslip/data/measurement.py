@@ -351,7 +351,8 @@ class Measurement(Tabular, InPanels):
         ``{"temperature": [20.0, 20.1]}``: a temperature [degC], the torque that a gear transmits.
         Where each joint has its own, by the name of the joint; `joints` then has them.
     initial : mapping of str to float, optional
-        Initial states by name; the others are 0.
+        Initial states by name; the others are 0, or found where runs of a mechanism that drives
+        itself follow its record.
     offset : mapping of str to float, optional
         Offset of a sensor by quantity; `values` subtracts it. That of one joint is called
         ``"force.elbow"``.

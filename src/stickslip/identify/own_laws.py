@@ -25,7 +25,7 @@ from scipy.optimize import least_squares
 
 from stickslip.errors import StickslipError
 from stickslip.friction import FrictionLaw, bound
-from stickslip.identify.fits import MOVED, Sizes, starting_law, with_ranges
+from stickslip.identify.fits import MOVED, Range, starting_law, with_ranges
 from stickslip.identify.posterior import Array, Column, Structure
 from stickslip.quantities import Quantity, fields_of, vary
 
@@ -152,7 +152,7 @@ class OwnLaw:
         top = float(np.max(np.abs(rows.velocity)))
         size = float(np.sqrt(np.mean(target**2))) + 1e-300
         load = float(np.median(rows.load))
-        ranges = [_sizes(size, load, top).of(quantity) for quantity in self.quantities]
+        ranges = [Range.of(item, _sizes(size, load, top)) for item in self.quantities]
         low = np.array([item.low for item in ranges])
         high = np.array([item.high for item in ranges])
         own = [float(x) if x is not None else item.start for x, item in zip(
@@ -310,10 +310,10 @@ def starting(
     return vary(start, "friction", {f"friction.{name}": x for name, x in values.items()})
 
 
-def _sizes(size: float, load: float, top: float) -> Sizes:
+def _sizes(size: float, load: float, top: float) -> dict[str, float]:
     """Return the sizes that ranges of parameters are multiples of, as friction has them."""
     level = size / load
-    result = {
+    return {
         **dict.fromkeys(("level", "level+", "level-"), level),
         "load": load,
         "force": size,
@@ -324,4 +324,3 @@ def _sizes(size: float, load: float, top: float) -> Sizes:
         "stiffness": 1e3 * level,
         "damping": level / top,
     }
-    return Sizes(typical=result, reach=result)

@@ -33,7 +33,7 @@ from stickslip.identify.fits.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.parameters import FreeParameters as FreeParameters
 from stickslip.identify.fits.parameters import MOVED as MOVED
 from stickslip.identify.fits.parameters import OFFSET as OFFSET
-from stickslip.identify.fits.parameters import Sizes as Sizes
+from stickslip.identify.fits.parameters import Range as Range
 from stickslip.identify.fits.parameters import WIDE as WIDE
 from stickslip.identify.fits.parameters import refuse_open as refuse_open
 from stickslip.identify.fits.parameters import required_of as required_of

@@ -100,7 +100,7 @@ def improve(
     here = problem.linearise(free_parameters.values(at), near)
     damping, growth = FIRST_DAMPING, GROWTH
     for _ in range(rounds if here.finite else 0):
-        table = here.slopes @ free_parameters.slopes(at)
+        table = here.slopes * free_parameters.slopes(at)
         step, promised = step_of(table, here.residual, at, low, high, damping)
         done = promised <= least
         trial = at if done else np.clip(at + step, low, high)

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, levels_at, tells_load
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, shadow, turned, vary
 
 Array = NDArray[np.float64]
@@ -54,33 +52,23 @@ class Range:
     high: float
     """Upper bound."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class Sizes:
-    """What a measurement says of the sizes of `stickslip.quantities.SCALES` [SI], by name."""
-
-    typical: Mapping[str, float]
-    """What start values are multiples of."""
-    reach: Mapping[str, float]
-    """What bounds are multiples of."""
-
-    def of(self, quantity: Quantity) -> Range:
-        """Return start value and bounds of a parameter.
+    @classmethod
+    def of(cls, quantity: Quantity, sizes: Mapping[str, float]) -> "Range":
+        """Return that of a parameter, by the sizes of `stickslip.quantities.SCALES` [SI].
 
         Examples
         --------
         >>> v_s = Quantity("v_s", "m/s", above=0, scale="speed", bounds=(1e-3, 1.0), start=0.1)
-        >>> Sizes(typical={"speed": 0.5}, reach={"speed": 2.0}).of(v_s)
-        Range(start=0.05, low=0.002, high=2.0)
+        >>> Range.of(v_s, {"speed": 0.5})
+        Range(start=0.05, low=0.0005, high=0.5)
         """
         assert quantity.bounds is not None
         assert quantity.start is not None
-        reach = quantity.scaled_by(self.reach)
-        low, high = (reach * bound for bound in quantity.bounds)
-        start = quantity.start * quantity.scaled_by(self.typical)
+        size = quantity.scaled_by(sizes)
+        low, high = (size * bound for bound in quantity.bounds)
         if quantity.at_least is None:
             low, high = max(low, quantity.low), min(high, quantity.high)
-        return Range(start=start, low=low, high=high)
+        return cls(start=quantity.start * size, low=low, high=high)
 
 
 def is_level(quantity: Quantity) -> bool:
@@ -189,13 +177,12 @@ def starting_law(
     per_load = ("slope", "slope+", "slope-", "drag")
     typical = ORDINARY | {name: ORDINARY[name] * load for name in per_load}
     typical |= {"load": load, "force": ORDINARY["level"] * load}
-    sizes = Sizes(typical=typical, reach=typical)
     values: dict[str, Any] = dict(known or {})
     for name in required_of(law):
         if name in values:
             continue
         quantity = with_ranges(law, name)
-        values[name] = sizes.of(quantity).start
+        values[name] = Range.of(quantity, typical).start
         if quantity.at_least in values:
             values[name] = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
     return law(**values)
@@ -220,11 +207,7 @@ def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionL
 
 @dataclass(frozen=True, kw_only=True)
 class FreeParameter:
-    """One parameter that a fit looks for.
-
-    The optimiser sees its logarithm if `log`, the surplus over another parameter if `above`, else
-    the value itself.
-    """
+    """One parameter that runs look for; the optimiser sees its logarithm if `log`."""
 
     path: str
     """Parameter path."""
@@ -233,13 +216,11 @@ class FreeParameter:
     start: float
     """Start value."""
     low: float = -math.inf
-    """Least value looked at; with `above`, least surplus."""
+    """Least value looked at."""
     high: float = math.inf
-    """Largest value looked at; with `above`, largest surplus."""
+    """Largest value looked at."""
     log: bool = False
     """Whether its order of magnitude is what is looked for."""
-    above: str = ""
-    """Path of the parameter that it does not fall below, such as the kinetic level."""
 
     def limits(self) -> tuple[float, float]:
         """Return the bounds as the optimiser sees them."""
@@ -261,32 +242,24 @@ def not_whole(item: FreeParameter, value: float) -> float:
 
 @dataclass(frozen=True)
 class FreeParameters:
-    """The unknowns of a fit in order, and the way between values and coordinates.
+    """The unknowns of runs in order, and the way between values and coordinates.
 
     Examples
     --------
     >>> from stickslip.quantities import Quantity
-    >>> both = FreeParameters(
-    ...     (
-    ...         FreeParameter(
-    ...             path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0
-    ...         ),
-    ...         FreeParameter(
-    ...             path="friction.static_coefficient",
-    ...             quantity=Quantity("mu_s"),
-    ...             start=2.5,
-    ...             above="friction.kinetic_coefficient",
-    ...         ),
-    ...     )
+    >>> level = FreeParameter(
+    ...     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0
     ... )
+    >>> speed = FreeParameter(
+    ...     path="friction.stribeck_velocity", quantity=Quantity("v_s", "m/s"), start=1.0, log=True
+    ... )
+    >>> both = FreeParameters((level, speed))
     >>> both.coordinates(both.start)
-    array([2. , 0.5])
+    array([2., 0.])
     """
 
     items: tuple[FreeParameter, ...]
     """The free parameters, in the order of all arrays (p,)."""
-    known: Mapping[str, float] | None = None
-    """Values of parameters that are not looked for, as far as an unknown stands above one."""
 
     def __len__(self) -> int:
         return len(self.items)
@@ -301,6 +274,11 @@ class FreeParameters:
         """Start values (p,)."""
         return np.array([item.start for item in self.items])
 
+    @property
+    def logs(self) -> NDArray[np.bool_]:
+        """Whether the optimiser sees logarithms (p,)."""
+        return np.array([item.log for item in self.items], dtype=bool)
+
     def starting_at(self, values: Sequence[float] | Array) -> "FreeParameters":
         """Return the same unknowns with other start values (p,)."""
         items = (replace(item, start=float(v)) for item, v in zip(self.items, values, strict=True))
@@ -313,79 +291,19 @@ class FreeParameters:
 
     def coordinates(self, values: Array) -> Array:
         """Return what the optimiser sees (p,), inside the bounds."""
-        seen = np.empty(len(self))
-        for i, item in enumerate(self.items):
-            value = values[i] - self._base(item, values)
-            seen[i] = math.log(max(value, 1e-300)) if item.log else value
-        low, high = self.limits()
-        return np.clip(seen, low, high)
+        logs = np.log(np.maximum(np.where(self.logs, values, 1.0), 1e-300))
+        return np.clip(np.where(self.logs, logs, values), *self.limits())
 
     def values(self, coordinates: Array) -> Array:
         """Return parameter values (p,) for coordinates."""
-        result = np.array(
-            [
-                math.exp(min(c, 700.0)) if item.log else c
-                for item, c in zip(self.items, coordinates, strict=True)
-            ]
-        )
-        for i, item in enumerate(self.items):
-            result[i] += self._base(item, result)
-        return result
+        return np.where(self.logs, self._exponentials(coordinates), coordinates)
 
     def slopes(self, coordinates: Array) -> Array:
-        """Return the derivatives of the values by the coordinates (p, p)."""
-        table = np.zeros((len(self), len(self)))
-        for i, item in enumerate(self.items):
-            table[i, i] = math.exp(min(coordinates[i], 700.0)) if item.log else 1.0
-        for i, item in enumerate(self.items):
-            if item.above in self.paths:
-                table[i] += table[self.paths.index(item.above)]
-        return table
+        """Return the derivative of each value by its coordinate (p,)."""
+        return np.where(self.logs, self._exponentials(coordinates), 1.0)
 
-    def _base(self, item: FreeParameter, values: Array) -> float:
-        """Return the value that an unknown stands above; 0 if on none."""
-        if not item.above:
-            return 0.0
-        if item.above in self.paths:
-            return float(values[self.paths.index(item.above)])
-        return (self.known or {})[item.above]
-
-
-def told(
-    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
-) -> FreeParameters:
-    """Return the unknowns of a record with the units that their values read in.
-
-    A law's levels are over the normal force. Where that is 1 for want of another, the number is
-    the force, and is said in N. Parameters of a mechanism say themselves which other unit they
-    have about an axis, if any: the mass and the length of a pendulum stay a mass and a length.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> from stickslip.quantities import Quantity
-    >>> path = "friction.kinetic_coefficient"
-    >>> level = FreeParameters(
-    ...     (FreeParameter(path=path, quantity=Quantity("mu_k", per_load=True), start=2.0),)
-    ... )
-    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
-    >>> told(level, Axis(inertia=1.0), table).items[0].quantity.unit
-    'N'
-    """
-    per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
-    items = (
-        replace(
-            item,
-            quantity=replace(
-                item.quantity,
-                unit=unit_of(
-                    item.path, item.quantity, per_load=per_load, turning=measurement.turning
-                ),
-            ),
-        )
-        for item in free_parameters.items
-    )
-    return replace(free_parameters, items=tuple(items))
+    def _exponentials(self, coordinates: Array) -> Array:
+        return np.exp(np.minimum(np.where(self.logs, coordinates, 0.0), 700.0))
 
 
 def unit_of(path: str, quantity: Quantity, *, per_load: bool, turning: bool) -> str:

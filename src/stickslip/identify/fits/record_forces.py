@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from stickslip.data import Measurement, command_of
 from stickslip.errors import InputError
-from stickslip.identify.fits.settings import ROUNDING
 from stickslip.mechanisms import Mechanism, motor_of, slip_names, slip_of
 from stickslip.quantities import turned, vary
 
@@ -61,7 +60,7 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
 def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the states of a mechanism that drives itself which nobody measures.
 
-    They begin as the mechanism, or `Measurement.initial`, says.
+    They begin as a drive or `Measurement.initial` says, else unknown.
 
     Examples
     --------
@@ -156,20 +155,3 @@ def mass_of(mechanism: Mechanism) -> float:
     name = slip_of(mechanism)
     one = mechanism.kinetic_energy(defaultdict(float), defaultdict(float, {name: 1.0}))
     return 2.0 * float(one)
-
-
-def is_mass(mechanism: Mechanism, path: str) -> bool:
-    """Whether a parameter of a mechanism is its mass as it moves, and nothing else.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Pendulum
-    >>> is_mass(Axis(inertia=2.0), "mechanism.inertia")
-    True
-    >>> is_mass(Pendulum(mass=2.0, length=0.5), "mechanism.mass")
-    False
-    """
-    if path not in ("mechanism.inertia", "mechanism.mass"):
-        return False
-    mass = mass_of(mechanism)
-    return bool(abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= ROUNDING * mass)

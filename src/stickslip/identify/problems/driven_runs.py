@@ -100,6 +100,7 @@ from stickslip.identify.problems.records import (
     candidates_of,
     parts_of,
 )
+from stickslip.identify.problems.run_laws import SPREADS
 from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
 from stickslip.identify.vocabulary import SIGNED, Grid
@@ -117,14 +118,12 @@ MOST = 100.0
 CLOSELY = 5.0
 """What runs leave over the noise of readings, from which more is missing than friction."""
 MOST_LEFT = 0.2
-"""Deviation after the runs over that before, beyond which they tell little: friction that runs do
-not tell apart from the motor would be any."""
+"""Deviation after the runs over that before, from which words say that it is assumed."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
-FOLLOWING_STEPS = 8
-"""Steps of the search, each time."""
 STEPS = 10
-"""Steps of an initial state at each: where a body sticks and slips there are many, and long."""
+"""Steps of the search, each time, and of an initial state at each: where a body sticks and slips
+there are many, and long."""
 KNOTS = 8
 """Speeds at which friction beside a law is free: about one for each e-fold that a servo has."""
 AT = leja(KNOTS)
@@ -150,6 +149,10 @@ FAST = 0.5
 that a viscous part is there at most."""
 LITTLE = 0.01
 """Share of a force that is next to nothing of it, and of samples that are few of them."""
+AT_REST = "friction.at_rest"
+"""Path of what break-away has above slow sliding ..."""
+USUAL_AT_REST = 0.05
+"""... and its usual share of friction: runs that begin far above it stick, and tell no slope."""
 OFFSET = "mechanism.offset"
 """Path of a constant force: a balance has it as a term, and takes it off."""
 UNSEEN = (
@@ -175,6 +178,8 @@ class BesideLaw(SetValuedLaw):
     """The same of what multiplies that which a gear transmits."""
     slowest: Annotated[float, Quantity("v", above=0)]
     fastest: Annotated[float, Quantity("v", above=0)]
+    at_rest: Annotated[float, Quantity("F_s", "N", low=0)]
+    """By how much the level of break-away is above friction of slow sliding."""
 
     def _beside(self, speed: Scalar) -> Scalar:
         x = place_of(speed, self.slowest, self.fastest)
@@ -191,8 +196,8 @@ class BesideLaw(SetValuedLaw):
         return self._bound.sliding(speed, load) + self._beside(speed)
 
     def break_away(self, load: Scalar) -> Scalar:
-        at_rest = self._bound.break_away(load) + self._beside(0.0)
-        return where(at_rest > 0.0, at_rest, 0.0)
+        level = self._bound.break_away(load) + self._beside(0.0) + self.at_rest
+        return where(level > 0.0, level, 0.0)
 
 
 @cache
@@ -263,15 +268,15 @@ class Beside:
         return np.concatenate([still, usual - still]) / self.size
 
 
-def beside_law(law: FrictionLaw, records: Sequence[Record]) -> Beside:
-    """Return friction beside a law of speed alone, for the speeds of records."""
+def beside_law(law: FrictionLaw, records: Sequence[Record], load: float) -> Beside:
+    """Return friction beside a law of speed alone under a load, for the speeds of records."""
     balance = Balance(records)
     speed = np.abs(np.concatenate([piece.velocity for piece in balance.pieces]))
     top = float(np.quantile(speed, QUICK))
     low = max(top / DECADES, float(np.quantile(speed, 1.0 - QUICK)))
     through = [x for x in map(through_gear, records) if x is not None]
     usual = float(np.median(np.abs(np.concatenate(through)))) if through else 0.0
-    size = math.sqrt(float(np.mean(np.square(law.steady(np.geomspace(low, top, ASKED), 1.0)))))
+    size = math.sqrt(float(np.mean(np.square(law.steady(np.geomspace(low, top, ASKED), load)))))
     geared = bool(balance.frame.transmitted)
     return Beside(slowest=low, fastest=top, size=size, transmitted=usual, geared=geared)
 
@@ -399,7 +404,7 @@ class DrivenRuns:
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
             least = 2.0 * SETTLED * deviation**2
-            end = improve(prior, best.values, rounds=FOLLOWING_STEPS, least=least, near=best)
+            end = improve(prior, best.values, rounds=STEPS, least=least, near=best)
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
@@ -422,9 +427,11 @@ class DrivenRuns:
         level = tuple(Number(value=c) for c in waves[:KNOTS])
         gear = tuple(Number(value=c) for c in waves[KNOTS:])
         inputs = dict.fromkeys((*law.inputs, *([TRANSMITTED] if gear else [])))
+        known = zip([item.path for item in self.items], rig.tolist(), strict=False)
         curve = _kind(tuple(inputs))(
-            law=law, level=level, gear=gear, slowest=beside.slowest, fastest=beside.fastest
-        )
+            law=law, level=level, gear=gear, slowest=beside.slowest, fastest=beside.fastest,
+            at_rest=dict(known)[AT_REST],
+        )  # fmt: skip
         of_rig = [item for item in self.items if item.path in self.given]
         own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
         own += [
@@ -438,7 +445,19 @@ class DrivenRuns:
 
     def with_curve(self, beside: Beside) -> "DrivenRuns":
         """Return runs with friction beside the law where they follow the readings."""
-        first, rig = replace(self, beside=beside), np.array([*self.rig.values()])
+        surplus = USUAL_AT_REST * beside.size
+        item = FreeParameter(
+            path=AT_REST, quantity=Quantity("F_s", "N", low=0), start=surplus, log=True,
+            low=surplus / WIDE**2, high=WIDE * surplus,
+        )  # fmt: skip
+        of_rig = [x for x in self.items if x.path in self.given]
+        first = replace(
+            self, beside=beside,
+            runs=self.runs.with_free_parameters(FreeParameters((*of_rig, item))),
+            given={**self.given, AT_REST: surplus},
+            doubts={**self.doubts, AT_REST: SPREADS["other"]},
+        )  # fmt: skip
+        rig = np.array([*self.rig.values(), surplus])
         rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
         return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
@@ -453,20 +472,11 @@ class DrivenRuns:
         return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
 
     @property
-    def determines_rig(self) -> bool:
-        """Whether runs tell the parameters of the mechanism beside any friction."""
-        if not self.seen.finite or not self.share:  # of a body that sticks nothing depends
-            return False
-        count = len(self.sought)
-        if not count:
-            return True
-        of_rig = self.covariance(COEFFICIENT)[:count, :count]
-        has_prior = np.isfinite(self.sizes[:count])
-        left = np.sqrt(np.diag(of_rig)[has_prior])
-        left /= self.sizes[:count][has_prior] * self.seen.values[:count][has_prior]
-        size = np.sqrt(np.maximum(np.diag(of_rig), 1e-300))
-        least = np.linalg.eigvalsh(of_rig / np.outer(size, size))[0]
-        return bool(np.all(left <= MOST_LEFT) and least > ROUNDED)
+    def assumed(self) -> list[str]:
+        """Paths of what runs hardly tell beside any friction, so that its interval is the prior."""
+        left = np.sqrt(np.diag(self.covariance(COEFFICIENT)))
+        before = self.sizes * np.maximum(np.abs(self.seen.values), 1e-300)
+        return [path for path, x in zip(self.sought, left / before, strict=False) if x > MOST_LEFT]
 
     @property
     def is_followed(self) -> bool:
@@ -480,17 +490,18 @@ class DrivenRuns:
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        words = [f"the {parameter_words(path)}" for path in self.sought if path != OFFSET]
+        named = {path: f"the {parameter_words(path)}" for path in self.sought if path != OFFSET}
         driven = "its own drive"
         if any(segment.start for segment in self.runs.segments):
             driven = "the recorded voltage"
         if self.is_followed:
             constant = ["the constant force"] * (OFFSET in self.sought)
-            own = joined([*words, *constant, "friction"])
+            told = [words for path, words in named.items() if path not in self.assumed]
+            own = joined([*told, *constant, "friction"])
             return f"Runs of the mechanism under {driven} determine {own}."
-        if not words:
+        if not named:
             return ""
-        names = joined(words)
+        names = joined([*named.values()])
         of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
         return (
             f"Runs of the mechanism{of_gear} determine {names}; the force balance determines"
@@ -532,10 +543,11 @@ def followed(
     """Return runs that follow the readings; None where a balance tells what is unknown as well.
 
     That is so where a recorded force drives, or forces are linear in what is looked for, where a
-    plain law has no friction, which is the scale of the rest, and where runs do not tell parameters
-    apart either, as resistance and torque constant are not under friction that is the same at any
-    torque. A constant force, with `offset`, is unknown beside all else where the body moves both
-    ways: in one direction it is part of the level.
+    plain law has no friction, which is the scale of the rest, and where the body sticks. What runs
+    do not tell apart, as resistance and torque constant under friction that is the same at any
+    torque, is known as it was assumed about what was given. A constant force, with `offset`, is
+    unknown beside all else where the body moves both ways: in one direction it is part of the
+    level.
     """
     if not _is_run(mechanism, measurement, unknown):
         return None
@@ -556,9 +568,9 @@ def followed(
         return None
     rig = first.on(mechanism)
     records = records_of(rig, with_gear(rig, measurement))
-    beside = beside_law(first.law, records)
+    beside = beside_law(first.law, records, start.load)
     result = first.with_curve(beside) if beside.size > 0.0 else None
-    return result if result is not None and result.determines_rig else None
+    return result if result is not None and result.seen.finite and result.share else None
 
 
 def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
@@ -1028,4 +1040,13 @@ class DrivenProblem(Problem):
         return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
 
     def untold(self) -> list[str]:
-        return [UNSEEN.format(" a constant force or" * (OFFSET not in self.following.sought))]
+        result = [UNSEEN.format(" a constant force or" * (OFFSET not in self.following.sought))]
+        if assumed := self.following.assumed:
+            names = joined([path.rpartition(".")[2].replace("_", " ") for path in assumed])
+            together, most = " together" * (len(assumed) > 1), math.exp(1.96 * PRIOR)
+            result.append(
+                f"The {names}{together} cannot be distinguished from viscous friction beyond what"
+                f" is assumed, a factor of {most:.2g} (95 %) about the values given: fix one that"
+                " is known, or record swings with an open winding."
+            )
+        return result

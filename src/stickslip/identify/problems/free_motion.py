@@ -5,6 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import starmap
 from typing import Any
 
 import numpy as np
@@ -45,10 +46,10 @@ from stickslip.identify.problems.free_runs import (
 )
 from stickslip.identify.problems.record_curves import SteadyRows
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.problems.records import ASKED, PLACES, parts_of
+from stickslip.identify.problems.records import ASKED, PLACES, candidates_of, parts_of
 from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.propose import AGAIN, propose
-from stickslip.identify.vocabulary import FAMILIES, PARTS, parameters_of
+from stickslip.identify.vocabulary import FAMILIES, PARTS
 from stickslip.quantities import vary
 
 FOLLOWED = 100
@@ -238,15 +239,7 @@ class FreeMotionProblem(Problem):
         for family, shapes, _ in self.grid.families([item for item in self.laws if item]):
             laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
         laws |= {family_of(item): [item] for item in self.model.own}
-        return [
-            Candidates(
-                family=item,
-                structures=structures,
-                parameters=parameters_of(item)
-                + sum(is_slope(name) and name.place >= 0 for name in item),
-            )
-            for item, structures in laws.items()
-        ]
+        return [*starmap(candidates_of, laws.items())]
 
     def composition(
         self,

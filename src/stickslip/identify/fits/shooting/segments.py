@@ -153,8 +153,8 @@ def _from_the_start(
 ) -> Segment:
     """Return a segment of a mechanism with a drive of its own: it runs from time 0 on.
 
-    Nobody measured what moves inside, which begins as the mechanism or the record says; only the
-    body that slips may begin elsewhere, or move.
+    Nobody measured what moves inside. It begins as a drive prescribes or the record says, if it
+    does, else as fits best, near where the mechanism begins.
     """
     assert isinstance(record.time, np.ndarray)
     if record.time[0] < 0.0:
@@ -164,17 +164,16 @@ def _from_the_start(
         )
     names = (*mechanism.coordinates, *mechanism.rates)
     guess = _guess(mechanism, quantity, record.time, np.asarray(record.values(quantity)))
-    told = {**mechanism.start(), **record.initial}
-    hidden = inside(mechanism, record)
-    known = np.array([name in hidden for name in names])
+    stated = {**mechanism.start(), **record.initial}
+    hidden = np.isin(names, inside(mechanism, record))
     return Segment(
         record=index,
         start=0.0,
         mechanism=mechanism,
         times=record.time[rows],
         measured=np.asarray(record.values(quantity))[rows],
-        guess=np.where(known, [told.get(name, 0.0) for name in names], guess),
-        known=known,
+        guess=np.where(hidden, [stated.get(name, 0.0) for name in names], guess),
+        known=hidden & np.isin(names, [*stated]),
     )
 
 
