@@ -365,7 +365,7 @@ def powers_in(unit: str) -> dict[str, int]:
 
 
 def per_second(unit: str) -> str:
-    """Return the unit of a time derivative.
+    """Return the unit of a time derivative; of a unit that is not in SI, that over a second.
 
     Examples
     --------
@@ -374,7 +374,10 @@ def per_second(unit: str) -> str:
     """
     if not unit:
         return ""
-    powers = powers_in(unit)
+    try:
+        powers = powers_in(unit)
+    except InputError:
+        return f"{unit}/s" if "/" not in unit else f"({unit})/s"
     powers["s"] = powers.get("s", 0) - 1
     above, below = (
         [

@@ -44,6 +44,8 @@ PER_TRAVEL = "energy per travel"
 """Column of the positive work of the drives over the travel."""
 GROUND = "ground"
 """Drive that moves the ground and not the mechanism."""
+BATCH = 10_000
+"""Steps whose roots are sought at once: 2.5 kB each."""
 _LEGENDRE = np.polynomial.legendre
 _NODES, _WEIGHTS = _LEGENDRE.leggauss(12)  # long steps of exact modes need so many
 # Of Legendre series of as many terms: coefficients from values at the nodes, the integral, and the
@@ -239,21 +241,28 @@ def _positive(power: Array) -> Array:
     Where its sign changes, the polynomial through the nodes is integrated between its roots.
     """
     result: Array = np.maximum(power, 0.0) @ _WEIGHTS
-    cells = np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0))
-    series = power[cells] @ _SERIES.T
+    changes = np.flatnonzero((power.min(axis=1) < 0.0) & (power.max(axis=1) > 0.0))
+    for start in range(0, len(changes), BATCH):
+        cells = changes[start : start + BATCH]
+        result[cells] = _between_roots(power[cells])
+    return result
+
+
+def _between_roots(power: Array) -> Array:
+    """Return the integral of the positive part of powers that change their sign (m, 12)."""
+    series = power @ _SERIES.T
     last = series[:, -1:]
     least = np.finfo(float).eps * np.abs(series).max(axis=1, keepdims=True)
-    matrix = np.repeat(_COMPANION[None], len(cells), axis=0)
+    matrix = np.repeat(_COMPANION[None], len(power), axis=0)
     matrix[:, :, -1] -= series[:, :-1] / np.where(np.abs(last) < least, least, last) * _SHARES
     # turned round: eigenvalues of a matrix graded upwards have smaller errors
     roots = np.linalg.eigvals(matrix[:, ::-1, ::-1])
     real = (np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) < 1.0)
-    edge = np.ones((len(cells), 1))
+    edge = np.ones((len(power), 1))
     # what is no root within the cell ends it, after which nothing is left
     ends = np.hstack([-edge, np.sort(np.where(real, roots.real, 1.0), axis=1), edge])
     grown = (_LEGENDRE.legvander(ends, series.shape[1]) @ (series @ _INTEGRAL.T)[..., None])[..., 0]
-    result[cells] = np.maximum(np.diff(grown, axis=1), 0.0).sum(axis=1)
-    return result
+    return np.asarray(np.maximum(np.diff(grown, axis=1), 0.0).sum(axis=1))
 
 
 def columns_of(mechanism: Mechanism) -> tuple[str, ...]:

@@ -180,6 +180,8 @@ class Found:
     why: str
     others: tuple[str, ...] = ()
     """Columns for which as much speaks."""
+    most_moving: bool = False
+    """Whether it is the axis of a sensor that moves most."""
 
     @property
     def unit_in_si(self) -> str:
@@ -670,7 +672,7 @@ def _by_kind(
     """
     taken = dict(given)
     offers = [
-        (match.score, _spread(frame, match), -place, quantity, match)
+        (match.score, -place, quantity, match)
         for place, name in enumerate(left)
         for quantity in quantities
         for offer in _offers(frame, name, quantity)
@@ -679,7 +681,7 @@ def _by_kind(
         ]
         if _is_of_kind(match, quantity, turning)
     ]
-    for *_, quantity, match in sorted(offers, key=lambda offer: offer[:3], reverse=True):
+    for _, _, quantity, match in sorted(offers, key=lambda offer: offer[:2], reverse=True):
         alike = quantity in taken and match.name != taken[quantity].name
         alike = alike and not _stays(frame, match)
         if alike and match.score == taken[quantity].score and quantity not in given:
@@ -689,19 +691,30 @@ def _by_kind(
         if "force" in taken and quantity == "current" and taken["force"].score >= PART:
             continue  # measured as well, but the force is what is wanted
         taken[quantity] = match
+    moving = {"position", "velocity"} & taken.keys()
+    if len(moving) == 1 and not moving & given.keys():  # two might be of two axes
+        taken |= {q: _most_moving(frame, taken[q]) for q in moving}
     return taken
 
 
-def _spread(frame: QuantityTable, candidate: Found) -> float:
-    """Return the standard deviation of a component, by which that is read which moves most.
+def _most_moving(frame: QuantityTable, found: Found) -> Found:
+    """Return the component that moves most of those that are called alike but for their axis.
 
-    Axes of a sensor are called alike: a pendulum turns about one of them. Others come before them.
+    A pendulum turns about one axis of a sensor, and any may be the first.
     """
-    parts = parts_of(candidate.name)
-    if len(parts) == 1 or len({"x", "y", "z"}.intersection(parts)) != 1:
-        return np.inf
-    numbers = _numbers(frame, candidate)
-    return float(np.std(numbers[np.isfinite(numbers)])) if np.isfinite(numbers).any() else 0.0
+    axis = re.compile(r"(?<![a-z])[xyz](?![a-z])", re.IGNORECASE)
+    stem = axis.sub("", found.name)
+    alike = [name for name in found.others if axis.sub("", name) == stem != found.name]
+    if not alike:
+        return found
+    spreads = {
+        name: float(np.nanstd(_numbers(frame, replace(found, name=name))))
+        for name in (found.name, *alike)
+        if frame.units.get(name) == frame.units.get(found.name)
+    }
+    best = max(spreads, key=lambda name: spreads[name])
+    others = tuple(name for name in (found.name, *found.others) if name != best)
+    return replace(found, name=best, others=others, most_moving=True)
 
 
 def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
@@ -1618,7 +1631,7 @@ def _doubts(
     positions = _second_positions(frame, found)
     yield from positions.values()
     for quantity, item in found.items():
-        chosen = "comes first" if np.isinf(_spread(frame, item)) else "moves most"
+        chosen = "moves most" if item.most_moving else "comes first"
         for other in (name for name in item.others if name not in positions):
             yield (
                 f"The column {other!r} may be the {quantity} as well as {item.name!r}, which"

@@ -344,7 +344,8 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
         curves = [_heights(branch, name, velocity=velocity) for branch in branches]
         dots = _settled(result, name, velocity=velocity)
         known = np.concatenate([*curves, np.ravel(dots[1])])
-        unit = result.units.get(name, "1") + "/s" * velocity
+        unit = result.units.get(name, "1")
+        unit = per_second(unit) if velocity else unit
         factor, unit = scale_of(known, unit)
         for marks, chosen in zip(SETTLED, (~dots[2], dots[2]), strict=True):
             axes.plot(dots[0][chosen], factor * dots[1][chosen], **marks)

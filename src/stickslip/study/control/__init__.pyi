@@ -5,8 +5,6 @@ from collections.abc import Callable as _Callable
 from collections.abc import Mapping as _Mapping
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
-from stickslip.mechanisms.axes import PIDAxis as _PIDAxis
-from stickslip.mechanisms.drives import Drive as _Drive
 from stickslip.quantities import Given as _Given
 from stickslip.study.control.feedback_loop import ClosedLoop as ClosedLoop
 from stickslip.study.control.feedback_loop import Controller as Controller
@@ -56,21 +54,6 @@ class PID(_PID):
     ) -> None: ...
 
 @dataclass(frozen=True, kw_only=True, init=False)
-class PIDAxis(_PIDAxis):
-    def __init__(
-        self,
-        *,
-        rotary: bool = ...,
-        inertia: _Given,
-        proportional: _Given,
-        integral: _Given,
-        derivative: _Given = ...,
-        reference: _Given = ...,
-        drive: _Drive | None = ...,
-        load: _Given = ...,
-    ) -> None: ...
-
-@dataclass(frozen=True, kw_only=True, init=False)
 class PartialLinearisation(_PartialLinearisation):
     def __init__(
         self,
@@ -95,7 +78,6 @@ __all__ = [
     "FrictionCompensation",
     "LimitCycle",
     "PID",
-    "PIDAxis",
     "PartialLinearisation",
     "closed_loop",
     "compensation",
