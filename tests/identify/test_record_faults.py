@@ -535,15 +535,6 @@ def test_the_highest_frequency_is_that_of_the_changes_of_velocity() -> None:
     assert carried.highest_frequency == pytest.approx(at_rest.highest_frequency, rel=0.05)
 
 
-def test_a_calculated_record_without_noise_has_no_mass_on_a_spring() -> None:
-    record = driven(noise=0.0)
-    assert (
-        RecordProblem([replace(record, force=np.full_like(record.force, 5.0))]).model.balance.mode
-        is None
-    )
-    assert RecordProblem([record]).model.balance.mode is None
-
-
 def test_a_stiff_axis_has_no_mass_on_a_spring() -> None:
     assert RecordProblem([driven()]).model.balance.mode is None
     assert RecordProblem([sprung(0.0, 12.0, 0.03)[0]]).model.balance.mode is None
