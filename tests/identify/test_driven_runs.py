@@ -1,6 +1,7 @@
 """Servos that a voltage drives: runs tell the motor and the friction of its gear."""
 
 import copy
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.friction import bound
+from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian
 from stickslip.identify.problems import driven_runs
 from stickslip.identify.problems.driven_runs import DrivenProblem, followed
 from stickslip.mechanisms.drives import Sampled
@@ -175,7 +177,8 @@ def test_what_runs_do_not_look_for_is_said(verdict):
 
 
 def test_friction_of_a_gear_is_named_where_runs_have_it(verdict):
-    runs = replace(verdict.judgement.problem.following, error=1e3)  # the balance tells friction
+    runs = verdict.judgement.problem.following
+    runs = replace(runs, error=20.0 * runs.error)  # the balance tells friction
     assert "with friction of a gear" in runs.sentence
     plain = replace(runs, beside=replace(runs.beside, geared=False))
     assert plain.sentence == runs.sentence.replace(" with friction of a gear", "")
@@ -186,8 +189,14 @@ def test_a_value_of_zero_has_no_prior_and_runs_without_an_end_determine_nothing(
     none = copy.copy(runs.seen)
     none.values = np.where(np.isfinite(runs.sizes), runs.seen.values, 0.0)
     still = replace(runs, seen=none)
-    np.testing.assert_array_equal(still.covariance(), runs.covariance())
+    np.testing.assert_array_equal(still.root(), runs.root())
     assert not still.assumed
+    units = np.geomspace(1e-10, 1e10, len(runs.items))  # what is known does not depend on units
+    slopes = runs.seen.slopes * units
+    values = runs.seen.values / units
+    seen = ResidualJacobian(values=values, residual=runs.seen.residual, slopes=slopes)
+    scaled = replace(runs, seen=seen, rows=runs.rows * units).root() * units[:, None]
+    np.testing.assert_allclose(scaled @ scaled.T, runs.root() @ runs.root().T, rtol=1e-5)
     lost = copy.copy(runs.seen)
     lost.residual = np.full_like(runs.seen.residual, np.inf)
     assert not np.isfinite(replace(runs, seen=lost).settled().error)
@@ -274,6 +283,12 @@ def test_constants_that_runs_do_not_tell_apart_are_known_as_assumed(pushes):
     found = fit(axis, CoulombViscous, record, vary=["friction.*", *servos.VARIED])
     assert isinstance(found.judgement.problem, DrivenProblem)
     assert any("torque constant together cannot be dist" in line for line in found.sentences)
+    runs = found.judgement.problem.following
+    lost = replace(runs, error=100.0 * runs.error)  # the balance tells friction
+    assert not lost.is_followed
+    for said in (lost.sentence, *found.sentences):
+        assert not re.search("determine (the (resis|torque)|.*friction)", said)
+    assert "torque constant together cannot be dist" in lost.sentence
     for path, true in {
         "friction.kinetic_coefficient": 0.02,
         "friction.viscous_coefficient": 0.01,

@@ -517,12 +517,27 @@ def test_inertia_and_friction_hold_beside_a_mass_on_a_spring(mass: float, freque
     assert inertia.high - inertia.low < 0.02 * 6.3
     (flexible,) = (item for item in judgement.findings if item.term == "flexible")
     assert flexible.asserted
-    assert "on a spring" in flexible.sentence
+    stated = re.search(r"inertia, (.*) kg is on a spring.* with (.*) Hz", flexible.sentence)
+    assert stated
+    assert float(stated[1]) == pytest.approx(6.3 * flexible.size, rel=0.02)
+    # slow motion shows the mass over the square of its frequency, not both
+    shown = 6.3 * flexible.size / float(stated[2]) ** 2
+    assert shown == pytest.approx(mass / frequency**2, rel=0.08)
+
+
+def test_the_highest_frequency_is_that_of_the_changes_of_velocity() -> None:
+    record = sprung(0.0, 12.0, 0.03)[0]
+    at_rest, carried = (
+        Balance([replace(record, position=record.position + v * record.time)]).pieces[0]
+        for v in (0.0, 1.0)
+    )
+    assert 5.0 < at_rest.highest_frequency < 7.0
+    assert carried.highest_frequency == pytest.approx(at_rest.highest_frequency, rel=0.05)
 
 
 def test_a_stiff_axis_has_no_mass_on_a_spring() -> None:
-    assert RecordProblem([driven()]).model.balance.mode == ()
-    assert RecordProblem([sprung(0.0, 12.0, 0.03)[0]]).model.balance.mode == ()
+    assert RecordProblem([driven()]).model.balance.mode is None
+    assert RecordProblem([sprung(0.0, 12.0, 0.03)[0]]).model.balance.mode is None
 
 
 def test_a_part_of_the_level_that_no_load_changes_is_told() -> None:

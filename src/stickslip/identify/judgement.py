@@ -122,7 +122,7 @@ class Finding:
     probability: float
     """Posterior probability that it is not negligible."""
     size: float
-    """Median of its size, over friction."""
+    """Median of its size, over friction; of a mass on a spring, over the inertia."""
     low: float
     high: float
     """Ends of its 95 % interval."""

@@ -119,6 +119,8 @@ CLOSELY = 5.0
 """What runs leave over the noise of readings, from which more is missing than friction."""
 MOST_LEFT = 0.2
 """Deviation after the runs over that before, from which words say that it is assumed."""
+ROUNDING = 1e-14
+"""Least eigenvalue of what is known over the largest: what is below is rounding."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
 STEPS = 10
@@ -462,21 +464,40 @@ class DrivenRuns:
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
         return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
 
-    def covariance(self, size: float = SIZES[FOLLOWING]) -> Array:
-        """Return the covariance of what is unknown (p, p), with friction of a prior size."""
+    def root(self, size: float = SIZES[FOLLOWING]) -> Array:
+        """Return a root of the covariance of what is unknown (p, p), with friction of a size."""
         has_prior, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
         precision = slopes.T @ slopes + rows.T @ rows
         deviations = self.sizes[has_prior] * self.seen.values[has_prior]
         precision[has_prior, has_prior] += deviations**-2.0
-        return np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
+        units = np.sqrt(np.diag(precision)) + 1e-300
+        values, axes = np.linalg.eigh(precision / units / units[:, None])
+        # what no run tells is known least, not exactly
+        roots = np.sqrt(np.maximum(values, ROUNDING * values[-1]))
+        return np.asarray(axes / roots / units[:, None], dtype=float)
 
     @property
     def assumed(self) -> list[str]:
-        """Paths of what runs hardly tell beside any friction, so that its interval is the prior."""
-        left = np.sqrt(np.diag(self.covariance(COEFFICIENT)))
+        """Paths of what runs hardly tell beside any friction: its interval rests on the prior."""
+        left = np.sqrt(np.sum(self.root(COEFFICIENT) ** 2, axis=1))
         before = self.sizes * np.maximum(np.abs(self.seen.values), 1e-300)
         return [path for path, x in zip(self.sought, left / before, strict=False) if x > MOST_LEFT]
+
+    @property
+    def alike(self) -> list[str]:
+        """Sentences on what runs hardly tell."""
+        if not (assumed := self.assumed):
+            return []
+        names = joined([path.rpartition(".")[2].replace("_", " ") for path in assumed])
+        what, cure = "determined by the runs", ""
+        if all(path.startswith("mechanism.drive.") for path in assumed):
+            what = "distinguished from viscous friction"
+            cure = ", or record swings with an open winding"
+        return [
+            f"The {names}{' together' * (len(assumed) > 1)} cannot be {what}: the intervals rest on"
+            f" what is assumed about the values given. Fix one that is known{cure}."
+        ]
 
     @property
     def is_followed(self) -> bool:
@@ -490,23 +511,25 @@ class DrivenRuns:
     @property
     def sentence(self) -> str:
         """What is said of the values."""
-        named = {path: f"the {parameter_words(path)}" for path in self.sought if path != OFFSET}
-        driven = "its own drive"
-        if any(segment.start for segment in self.runs.segments):
-            driven = "the recorded voltage"
+        assumed = [*self.assumed, *[OFFSET] * (not self.is_followed)]
+        names = [
+            "the constant force" if path == OFFSET else f"the {parameter_words(path)}"
+            for path in self.sought
+            if path not in assumed
+        ]
+        determined = joined([*names, *["friction"] * (not assumed)])
         if self.is_followed:
-            constant = ["the constant force"] * (OFFSET in self.sought)
-            told = [words for path, words in named.items() if path not in self.assumed]
-            own = joined([*told, *constant, "friction"])
-            return f"Runs of the mechanism under {driven} determine {own}."
-        if not named:
-            return ""
-        names = joined([*named.values()])
+            driven = "its own drive"
+            if any(segment.start for segment in self.runs.segments):
+                driven = "the recorded voltage"
+            words = f"Runs of the mechanism under {driven} determine {determined}."
+            return words if determined else ""
         of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
-        return (
-            f"Runs of the mechanism{of_gear} determine {names}; the force balance determines"
+        by_both = (
+            f"Runs of the mechanism{of_gear} determine {determined}; the force balance determines"
             " friction with these values."
         )
+        return " ".join([*[by_both] * bool(names), *self.alike])
 
     def known(self, records: Sequence[Record]) -> list[Record]:
         """Return records whose parameters count from the values, with the covariance as prior.
@@ -515,7 +538,8 @@ class DrivenRuns:
         """
         places = [k for k, path in enumerate(self.sought) if path != OFFSET]
         paths = [self.sought[k] for k in places]
-        root = np.linalg.cholesky(self.covariance()[np.ix_(places, places)])
+        upper = np.linalg.qr(self.root()[places].T)[1]
+        root = upper.T * np.sign(np.diag(upper))
         result = []
         for record in records:
             own = dict(record.unknown)
@@ -1040,13 +1064,5 @@ class DrivenProblem(Problem):
         return math.hypot(self.plain.noise_of_rows, math.sqrt(float(np.mean(off**2))))
 
     def untold(self) -> list[str]:
-        result = [UNSEEN.format(" a constant force or" * (OFFSET not in self.following.sought))]
-        if assumed := self.following.assumed:
-            names = joined([path.rpartition(".")[2].replace("_", " ") for path in assumed])
-            together, most = " together" * (len(assumed) > 1), math.exp(1.96 * PRIOR)
-            result.append(
-                f"The {names}{together} cannot be distinguished from viscous friction beyond what"
-                f" is assumed, a factor of {most:.2g} (95 %) about the values given: fix one that"
-                " is known, or record swings with an open winding."
-            )
-        return result
+        constant = " a constant force or" * (OFFSET not in self.following.sought)
+        return [UNSEEN.format(constant), *self.following.alike]

@@ -14,6 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
@@ -92,6 +93,16 @@ SAME_SPAN = 0.01
 TINY = 1e-300
 LUGRE = -1.0
 """Exponent that stands for a length that follows the level."""
+
+
+class Mode(NamedTuple):
+    """A mass on a spring, as it was looked for."""
+
+    frequency: float
+    """Its frequency where the other end of the spring rests [Hz]."""
+    damping_ratio: float
+    inertia: float
+    """All inertia [kg], of which it is a share."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -353,9 +364,8 @@ class Balance:
         """Wave numbers of forces and of levels over the place [1/m]."""
         self.relaxation: float = like.relaxation if like else float(CONSTANTS[20])
         """Likeliest time constant of what relaxes, over the duration of the records."""
-        self.mode: tuple[float, ...] = like.mode if like else ()
-        """Frequency [Hz] and damping ratio of an inertia on a spring, where one is likely, with all
-        inertia [kg]."""
+        self.mode: Mode | None = like.mode if like else None
+        """That of a mass on a spring, where one is likely."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
         self._seen: dict[tuple[int, int], tuple[Memory, dict[str, Array], dict[Column, Array]]] = {}
 
@@ -799,6 +809,7 @@ class Balance:
 
     def _on_spring(self, which: int) -> Array:
         """Return what an inertia on a spring changes, with its mode and swings (n, p)."""
+        assert self.mode is not None
         *mode, inertia = self.mode
         parts = [self.sprung(which, *mode)]
         for step in BESIDE_MODE:

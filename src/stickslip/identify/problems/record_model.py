@@ -55,6 +55,7 @@ from stickslip.identify.problems.record_columns import (
     RIGID,
     Balance,
     Memory,
+    Mode,
     RecordFrame,
     law_column,
 )
@@ -225,10 +226,16 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-MODES, BEYOND, STIFF, DAMPINGS, DAMPED = 33, 1.3, 5.0, (0.02, 0.1), 0.15
-"""Frequencies of a mass on a spring that are looked at, over the highest of the motion: below it,
-other joints pass for such a mass; far above, it goes along within 1/25. And damping ratios, the
-last the largest of a spring: what is damped more passes for a force that is late."""
+MODES = 33
+"""Number of frequencies of a mass on a spring that are looked at."""
+BEYOND = 1.3
+"""The least of them over the highest of the motion: below it, other joints pass for such a mass."""
+STIFF = 5.0
+"""The largest: far above the motion, a mass goes along within 1/25."""
+DAMPINGS = (0.02, 0.1)
+"""Damping ratios of such a mass that are looked at."""
+DAMPED = 0.15
+"""The largest of a spring: what is damped more passes for a force that is late."""
 LIMITS = np.geomspace(0.2, 0.95, 16)
 """Limits of the force that are looked at, over the largest."""
 FINER = 5
@@ -643,8 +650,8 @@ class RecordModel(Model):
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
         return np.hstack([rows.seen(curve), *(plain[name] for name in names)])
 
-    def _mode(self) -> tuple[float, ...]:
-        """Return frequency [Hz] and damping ratio of a mass on a spring, if likely, with all mass.
+    def _mode(self) -> Mode | None:
+        """Return the mode of a mass on a spring, if likely.
 
         The mass is above 0 and at most the inertia. Beside it stand a curve of the velocity, forces
         by place and a linear delay.
@@ -653,39 +660,45 @@ class RecordModel(Model):
         longest = max(balance.pieces, key=lambda piece: len(piece.velocity))
         frequencies = longest.highest_frequency * np.geomspace(BEYOND, STIFF, MODES)
         frequencies = frequencies[frequencies < longest.cutoff]
-        every = np.hstack([self._bare("force"), balance.delayed(MIDDLE, RIGID)[:, None]])
-        seen = np.flatnonzero(rows.far > RESOLVED)
-        plain = solved_softly(every, rows.response)[0]
+        resolved = np.flatnonzero(rows.far > RESOLVED)
+        if not (balance.driven and len(frequencies) and len(resolved) >= FEW):
+            return None
+        x = np.hstack([self._bare("force"), balance.delayed(MIDDLE, RIGID)[:, None]])
+        plain = solved_softly(x, rows.response)[0]
         inertia = abs(float(plain[-2])) if balance.finds_inertia else balance.inertia
-        few = len(seen) < max(FEW, 2 * every.shape[1]) or not len(frequencies)
-        if few or not (balance.driven and inertia > 0.0):
-            return ()
-        basis = np.linalg.qr(every[seen])[0]
-        e = rows.response[seen] - basis @ (basis.T @ rows.response[seen])
+        if len(resolved) < 2 * x.shape[1] or not inertia > 0.0:
+            return None
+        y, basis = rows.response[resolved], np.linalg.qr(x[resolved])[0]
+        e = y - basis @ (basis.T @ y)
         e = np.clip(e, *FARTHEST * float(np.median(np.abs(e))) * np.array([-1.0, 1.0]))
+        rounding = EXACT**2 * float(y @ y)
+        if e @ e <= rounding:
+            return None
 
         def gain(logarithms: Array) -> float:
             """Return the logarithm of what a mass gains beside the swings of its mode."""
             mode = np.exp(logarithms)
             both = [balance.swinging(MIDDLE, *mode), balance.sprung(MIDDLE, *mode)]
-            columns = np.column_stack(both)[seen]
+            columns = np.column_stack(both)[resolved]
             apart, sizes = np.linalg.qr(columns - basis @ (basis.T @ columns))
+            apart *= np.diag(sizes) ** 2 > RIDGE * np.sum(columns**2, axis=0)
             *swings, least = (apart.T @ e).tolist()
             most = inertia * float(sizes[-1, -1])
             taken = min(max(least * float(np.sign(most)), 0.0), abs(most))
-            share = taken * (2.0 * abs(least) - taken) / (e @ e - sum(x * x for x in swings))
+            left = max(float(e @ e) - sum(x * x for x in swings), rounding)
+            share = taken * (2.0 * abs(least) - taken) / left
             return -0.5 * KAPPA * len(e) * math.log(max(1.0 - share, TINY))
 
         looked = np.log([*product(frequencies, DAMPINGS)])
         mode = max(looked, key=gain)
         if gain(mode) < math.log(len(looked) / OTHERWISE):
-            return ()
+            return None
         step = np.array([math.log(STIFF / BEYOND) / MODES, 1.0])
         for _ in range(2 * FINER):
             step = 0.6 * step
             mode = max((mode + step * way for way in product((-1, 0, 1), repeat=2)), key=gain)
-        frequency, damping = np.exp(mode).tolist()
-        return (frequency, damping, inertia) if damping < DAMPED else ()
+        frequency, damping_ratio = np.exp(mode).tolist()
+        return Mode(frequency, damping_ratio, inertia) if damping_ratio < DAMPED else None
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
@@ -862,11 +875,14 @@ class RecordModel(Model):
         return node
 
     def _begun(self) -> Node:
-        """Screen and search, anew where forces act otherwise; return the best node."""
-        tried = list[Acting]()
+        """Screen and search, anew where forces act otherwise; return the best node.
+
+        A mode is that of the forces as they act at the best, or would act so again.
+        """
+        tried = dict[Acting, Mode | None]()
         while True:
-            left = self._screen()
-            tried.append(self.balance.acting)
+            left, again = self._screen(), self.balance.acting in tried
+            tried[self.balance.acting] = self.balance.mode
             usual = tuple(USUAL[name] for name in self.names)
             begin: list[Node] = [(*usual, k, self.first, 0) for k in range(len(self.actings))]
             for node in begin:
@@ -876,7 +892,7 @@ class RecordModel(Model):
                 nodes = [self._again(self._search(item)) for item in nodes]
             here, self.otherwise = self._here(*nodes), nodes
             best = max(nodes, key=here.value)
-            if self.acting(best) in tried:
+            if again or tried.get(self.acting(best), False) == self.balance.mode:
                 return best
             self._act(best)
 

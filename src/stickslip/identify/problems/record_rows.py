@@ -417,10 +417,11 @@ class Piece:
 
     @cached_property
     def highest_frequency(self) -> float:
-        """Frequency up to which nearly all power of the velocity lies [Hz]."""
-        power = np.abs(np.fft.rfft(self.velocity * np.hanning(len(self.velocity)))) ** 2
+        """Frequency up to which nearly all power of the changes of velocity lies [Hz]."""
+        changes = self.velocity - np.mean(self.velocity)
+        power = np.abs(np.fft.rfft(changes * np.hanning(len(changes)))) ** 2
         share = np.cumsum(power) / (np.sum(power) + 1e-300)
-        return float(np.searchsorted(share, POWER)) / (len(self.velocity) * self.step)
+        return float(np.searchsorted(share, POWER)) / (len(changes) * self.step)
 
     @cached_property
     def acceleration(self) -> Array:

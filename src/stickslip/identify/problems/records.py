@@ -36,6 +36,7 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.record_columns import (
+    BESIDE_MODE,
     COSINES,
     FORCE,
     GEAR,
@@ -772,7 +773,7 @@ class RecordProblem(Problem):
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
             elif name in ("zone", "flexible"):
-                changes.append(b[0] * (self.size if name == "flexible" else 1.0))
+                changes.append(b[0] if name == "zone" else self._on_spring(draw)[0] * self.size)
             elif name == "drift":
                 ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
                 changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
@@ -818,11 +819,13 @@ class RecordProblem(Problem):
                 " dead zone of the drive, or friction before the sensor."
             )
         if name == "flexible":
-            frequency, _, inertia = self.model.balance.mode
-            part = quantity(size * inertia, "kg m^2" if self.turning else "kg", 2)
+            drawn = np.hstack([self._on_spring(draw) for draw in draws])
+            frequency, mass = np.median([drawn[1], drawn[0] * drawn[2]], axis=1)
+            part = quantity(float(mass), "kg m^2" if self.turning else "kg", 2)
             return (
                 f"Of the inertia, {part} is on a spring, as behind a belt or a shaft: where its"
-                f" other end rests it swings with {quantity(frequency, 'Hz', 2)}."
+                f" other end rests it swings with {quantity(float(frequency), 'Hz', 2)}. More"
+                " of it on a stiffer spring would move nearly so."
             )
         what = {
             "place": "The level of friction changes with the place",
@@ -830,6 +833,19 @@ class RecordProblem(Problem):
         }[name]
         spring = self._spring(draws) if name == "force" and self.model.balance.pulled else ""
         return f"{what}, by {share_text(size)} of friction (standard deviation){spring}."
+
+    def _on_spring(self, draw: Draws) -> Array:
+        """Return what share of the inertia is on a spring, its frequency, and the inertia (3, k).
+
+        The frequency is linear in its coefficient, as its column is.
+        """
+        mode, b = self.model.balance.mode, self.model.split(draw.node, draw.random)
+        assert mode is not None
+        inertia = b["inertia"][0] if "inertia" in b else np.full(len(draw.law), mode.inertia)
+        mass, shift = b["flexible"][:2]
+        shift = 10.0 * BESIDE_MODE[0, 0] * shift / np.where(mass == 0.0, np.inf, mass)
+        share = np.minimum(mass * mode.inertia / np.maximum(np.abs(inertia), 1e-300), 1.0)
+        return np.stack([share, mode.frequency * np.maximum(1.0 + shift, 0.0), inertia])
 
     def _spring(self, draws: Sequence[Draws]) -> str:
         """Return what to add of a force beside friction that is nearly that of a spring."""
