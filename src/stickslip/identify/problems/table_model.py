@@ -1039,7 +1039,7 @@ def compared(fit: TableFit, families: Sequence[Family] | None = None) -> TableFi
     Each outlier has its prior; cells of many readings tell which are.
     """
     readings = fit.model.readings
-    suspects = float(np.sum((1.0 - fit.model.weights)[~ends_of(readings.rows)]))
+    suspects = int(np.sum((fit.model.weights < 1.0) & ~ends_of(readings.rows)))
     if suspects and readings.total == len(readings.friction):
         every = fitted(readings, families, suspected=False)
         if every.posterior.evidence > fit.posterior.evidence + suspects * math.log(OUTLIER_PRIOR):
