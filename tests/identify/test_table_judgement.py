@@ -21,6 +21,7 @@ from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.projection import Projector
 
 SPEEDS = np.geomspace(0.01, 1.0, 20)
+LBF = 4.4482216152605
 BOTH = np.concatenate([-SPEEDS[::-1], SPEEDS])
 
 
@@ -428,11 +429,12 @@ def test_flat_friction_that_was_rounded_to_two_values_may_lie_anywhere_between()
     assert np.mean(held) == 1.0
 
 
-def test_two_levels_of_friction_are_no_rounding():
+def test_two_levels_of_friction_and_zeros_are_no_rounding():
     friction = np.where(SPEEDS < 0.1, 2.0, 3.0)
     rows = Rows(velocity=SPEEDS, load=np.ones(20), inputs={}, run=np.zeros(20, int), order=SPEEDS)
-    readings = Readings.of(rows, friction)
-    assert step_of(readings, Frame.of(readings)) == 0.0
+    for one in (friction, np.zeros(20)):
+        readings = Readings.of(rows, one)
+        assert step_of(readings, Frame.of(readings)) == 0.0
 
 
 def test_readings_at_both_limits_of_a_sensor_are_judged_beside_the_others():
@@ -445,17 +447,39 @@ def test_readings_at_both_limits_of_a_sensor_are_judged_beside_the_others():
     held = {one.path.rpartition(".")[2]: one for one in found.intervals}
     assert held["viscous_coefficient"].low < 3.0 < held["viscous_coefficient"].high
     assert held["kinetic_coefficient"].low < 2.0 < held["kinetic_coefficient"].high
-    with pytest.raises(InputError, match="larger range"):  # two speeds are below
-        limits(v, np.clip(read, -2.3, 2.3))
+    with pytest.raises(InputError, match=r"2.3 N and .2.3 N, .* larger range"):
+        limits(v, np.clip(read, -2.3, 2.3))  # two speeds are below
 
 
-@pytest.mark.parametrize("repeats", [1, 2])
-def test_equal_readings_tell_friction_to_their_last_digit(repeats):
-    v, level = np.repeat(SPEEDS, repeats), 3.14
-    found, _ = limits(v, np.full(len(v), 3.1))
+@pytest.mark.parametrize(
+    ("limit", "others", "cure"),
+    [(3.0, (2.1, 2.6), "larger range"), (0.0, (2.1, 2.6), "lower threshold")],
+)
+def test_a_table_of_which_most_is_at_a_limit_is_refused(limit, others, cure):
+    v, read = np.linspace(0.1, 1.0, 12), np.full(12, limit)
+    read[-2:] = others
+    with pytest.raises(InputError, match=cure):
+        limits(v, read)
+    # the equal readings are at no end of a sensor
+    assert limits(v, 6.0 - read if limit else 6.0 + read)[1] == []
+
+
+@pytest.mark.parametrize(
+    ("read", "level", "width", "repeats"),
+    [(3.1, 3.14, 0.15, 1), (3.1, 3.14, 0.15, 2), (3.1 * LBF, 3.14 * LBF, 2.0, 1)],
+    ids=["N", "repeated", "lbf"],
+)
+def test_equal_readings_tell_friction_to_their_last_digit(read, level, width, repeats):
+    v = np.repeat(SPEEDS, repeats)
+    found, _ = limits(v, np.full(len(v), read))
     band = found.band(found.problem.at(v))
     assert np.all((band.low <= level) & (level <= band.high))
-    assert np.all(band.high - band.low < 0.15)
+    assert np.all(band.high - band.low < width)
+    assert "All readings are equal" in " ".join(found.problem.untold())
+    known = Measurement(velocity=v, friction=np.full(len(v), read), uncertainty={"friction": 0.01})
+    finer = Judgement(TableProblem.of(AXIS, known))
+    assert np.all(finer.band(finer.problem.at(v)).high < read + 0.03)  # three of these
+    assert "All readings are equal" not in " ".join(finer.problem.untold())
 
 
 def test_a_smooth_misfit_of_a_sorted_file_is_no_drift():

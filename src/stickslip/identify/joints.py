@@ -716,8 +716,8 @@ def joint_section(name: str, verdict: BandVerdict, number: int) -> Section:
     """Return the band, the laws and the parameters of one joint."""
     parts = (
         figure_section(verdict, prefix=f"joint-{number}"),
-        laws_section(verdict, explained=number == 1),
-        parameters_section(verdict, explained=number == 1),
+        laws_section(verdict, with_caption=number == 1),
+        parameters_section(verdict, with_caption=number == 1),
     )
     blocks = (block for part in parts if part for block in part.blocks)
     return Section(

@@ -113,10 +113,10 @@ def band_section(
     return Section(id="band", nav="Band", heading=heading, blocks=(block,))
 
 
-def laws_section(verdict: BandVerdict, *, explained: bool = True) -> Section:
+def laws_section(verdict: BandVerdict, *, with_caption: bool = True) -> Section:
     """Return the ladder: laws by their parameters, with how close each is to friction.
 
-    Below it stands what its columns are, unless another table of the page is `explained`.
+    Its caption, which another ladder of the page may have, says what its columns are.
     """
     (law, *heads, _), texts = ladder_rows(verdict)
     rows = tuple(
@@ -132,7 +132,7 @@ def laws_section(verdict: BandVerdict, *, explained: bool = True) -> Section:
         f" largest probability that a rest below {percent(verdict.judgement.tolerance)} of friction"
         " does not matter; where each law leaves more, the one that is closest with few parameters."
     )
-    table = Table(columns=columns, rows=rows, caption=caption if explained else "")
+    table = Table(columns=columns, rows=rows, caption=caption if with_caption else "")
     count = len(verdict.set)
     heading = "Laws by their number of parameters"
     if count > 1:
@@ -140,7 +140,7 @@ def laws_section(verdict: BandVerdict, *, explained: bool = True) -> Section:
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
-def parameters_section(verdict: Verdict, *, explained: bool = True) -> Section | None:
+def parameters_section(verdict: Verdict, *, with_caption: bool = True) -> Section | None:
     """Return the parameters: under the named law, and over the laws that have them."""
     if not verdict.stated:
         return None
@@ -167,7 +167,7 @@ def parameters_section(verdict: Verdict, *, explained: bool = True) -> Section |
         "Right: over all laws of the band that have the parameter, by their shares. Levels are over"
         " the normal force, or forces where none is known."
     )
-    table = Table(columns=columns, rows=tuple(rows), caption=caption if explained else "")
+    table = Table(columns=columns, rows=tuple(rows), caption=caption if with_caption else "")
     heading = f"Parameters of {verdict.closest.title}"
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=(table,))
 

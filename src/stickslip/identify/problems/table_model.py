@@ -616,8 +616,10 @@ class TableModel(Model):
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
         values, of_value = np.unique(readings.friction, return_inverse=True)
-        equal = len(np.unique(np.abs(values))) == 1
-        self.is_flat = bool(self.step) and (equal or (len(values) <= FEW_GAPS and not self.repeats))
+        self.is_equal = len(np.unique(np.abs(values))) == 1
+        self.is_flat = bool(self.step) and (
+            self.is_equal or (len(values) <= FEW_GAPS and not self.repeats)
+        )
         if self.is_flat:  # equal readings have one error
             self.block, self.repeats = of_value.ravel(), False
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
@@ -939,7 +941,8 @@ def step_of(readings: Readings, frame: Frame) -> float:
     """Return the step to which friction was rounded [N], if it is coarse; else 0.
 
     It is the least difference between readings, if that divides all others; of few values, each
-    of several readings, if it divides these; of equal ones, the unit of their last digit.
+    of several readings, if it divides these; of equal ones, the unit of their last digit or what
+    their stated uncertainty allows: more than five digits are those of a converted unit.
 
     Examples
     --------
@@ -951,8 +954,10 @@ def step_of(readings: Readings, frame: Frame) -> float:
     """
     values = np.unique(readings.friction)
     gaps = np.diff(values)
-    if len(sizes := np.unique(np.abs(values))) == 1:  # the digits that are written say it
-        return min(last_digit(sizes.tolist()), COARSEST * frame.size)
+    if len(sizes := np.unique(np.abs(values))) == 1:
+        stated, size = math.sqrt(12.0) * float(np.median(readings.stated)), float(sizes[0])
+        digit = last_digit([size])
+        return min(digit if digit > 1e-5 * size else size, stated or size, COARSEST * size)
     if 0 < len(gaps) < FEW_GAPS and len(readings.friction) >= OF_EACH * len(values):
         steps = values / gaps.min()
         if gaps.min() < COARSEST * frame.size and np.allclose(steps, np.rint(steps), 0.0, 1e-6):
@@ -1028,23 +1033,27 @@ def first_weights(readings: Readings, frame: Frame, smooth: Array) -> Array:
     return np.where(z > 6.0, np.minimum(1.0, (3.0 / np.maximum(z, 1e-9)) ** 2), 1.0)
 
 
-def fitted(readings: Readings, families: Sequence[Family] | None = None) -> TableFit:
-    """Return the posterior of readings: over some families, or those of the vocabulary.
+def compared(fit: TableFit, families: Sequence[Family] | None = None) -> TableFit:
+    """Return a fit, or that of readings that all count, if it is as probable.
 
-    Where some may be outliers, it is compared with that of readings that all count; cells of many
-    readings tell which are.
+    Each outlier has its prior; cells of many readings tell which are.
     """
-    fit = _settled(readings, families, suspected=True)
+    readings = fit.model.readings
     suspects = int(np.sum((fit.model.weights < 1.0) & ~ends_of(readings.rows)))
     if suspects and readings.total == len(readings.friction):
-        every = _settled(readings, families, suspected=False)
+        every = fitted(readings, families, suspected=False)
         if every.posterior.evidence > fit.posterior.evidence + suspects * math.log(OUTLIER_PRIOR):
             return every
     return fit
 
 
-def _settled(readings: Readings, families: Sequence[Family] | None, *, suspected: bool) -> TableFit:
-    """Return the posterior of readings, of which some may be suspected to be outliers."""
+def fitted(
+    readings: Readings, families: Sequence[Family] | None = None, *, suspected: bool = True
+) -> TableFit:
+    """Return the posterior of readings: over some families, or those of the vocabulary.
+
+    Some may be `suspected` to be outliers.
+    """
     frame = Frame.of(readings)
     grid = Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
     known = [tuple(item.split()) for item in FAMILIES] if families is None else [*families]

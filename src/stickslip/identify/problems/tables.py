@@ -3,7 +3,7 @@
 import copy
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -52,6 +52,7 @@ from stickslip.identify.problems.table_model import (
     AT_ENDS,
     BETA,
     BEYOND,
+    COARSEST,
     DRIFTS,
     FEW_SPEEDS,
     FOLLOWS,
@@ -68,6 +69,7 @@ from stickslip.identify.problems.table_model import (
     TableFit,
     TableModel,
     break_column,
+    compared,
     ends_of,
     fitted,
     is_break,
@@ -122,10 +124,16 @@ DIRECTIONS: tuple[tuple[str, ...], ...] = (
 """What of a law may differ by direction; under several loads a level, in place of an offset."""
 
 LIMITED = (
-    "{} of {} readings are at a limit of the sensor, and the others are at too few speeds for a law"
-    " of friction: measure again with a sensor of a larger range, or leave these readings out. {}"
+    "{} of {} readings are {}, as at a limit of the sensor, and the others are at too few speeds"
+    " for a law of friction: measure again with a sensor of {}, or leave these readings out."
 )
 """What is said where too few readings are beside limits."""
+EQUAL = (
+    "All readings are equal: they are taken to be rounded by up to {}, half a unit of their last"
+    " digit, or {} of friction where that is less or unknown. State their uncertainty where it is"
+    " finer."
+)
+"""What is said of a resolution that nobody stated."""
 
 
 @dataclass(eq=False)
@@ -190,14 +198,15 @@ class TableProblem(Problem):
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
         fit, rests = fitted(table, known), table.at_rest
-        reached = {x: y for x, y in cls._limits(table, fit, known, turning) if y.asserted}
+        beside, reached = cls._limits(table, fit, known, turning)
         limits = list(reached.values())
-        free = np.ones(len(table.friction), dtype=bool)
+        free = at_none(table, reached)
         if limits:
-            free = at_none(table, reached)
             if not _moves(table.rows.where(free)):
-                raise InputError(LIMITED.format(np.sum(~free), len(free), limits[0].sentence))
-            fit, table = censored(table, [*reached], known), table.where(free)
+                raise limited(table, [*reached], turning)
+            if not np.array_equal(beside.table.rows.order, table.rows.order[free]):
+                beside = cls(table.where(free), fitted(table.where(free), known))
+            fit, table = censored(table, [*reached], known, beside), table.where(free)
         # cells of many readings are means, of which none is one at rest
         slow = slow_rows(table) if table.total == len(table.friction) else np.zeros(0, dtype=int)
         if len(slow) and not limits:
@@ -211,27 +220,33 @@ class TableProblem(Problem):
                     table, fit = moving, other
         unsure = load_error_of(mechanism, measurement)
         return cls(
-            table, fit, turning=turning, rests=rests, families=families, load_error=unsure,
-            limits=limits, unlimited=free if limits else None,
+            table, compared(fit, known), turning=turning, rests=rests, families=families,
+            load_error=unsure, limits=limits, unlimited=free if limits else None,
         )  # fmt: skip
 
     @classmethod
     def _limits(
         cls, table: Readings, fit: TableFit, known: Sequence[Family], turning: bool
-    ) -> "Iterator[tuple[Limit, Finding]]":
-        """Yield limits that the sensor of a table with a fit may have, beside readings at none.
+    ) -> "tuple[TableProblem, dict[Limit, Finding]]":
+        """Return limits that the sensor of a table with a fit has, and the readings at none.
 
         Readings at one limit would tell that friction does not go beyond another.
         """
         possible = [*limits_of(table)]
-        rest = table.where(at_none(table, possible))
-        if not possible or len(rest.friction) < FEW_SPEEDS:
-            return
+        rest, result = table.where(at_none(table, possible)), dict[Limit, Finding]()
+        count = len(rest.friction)
+        if 0 < count < FEW_SPEEDS and 2 * count < len(table.friction) and not fit.model.step:
+            raise limited(table, possible, turning)
+        if not possible or count < FEW_SPEEDS:
+            return cls(table, fit), result
         beside = cls(rest, fitted(rest, known), turning=turning)
         for limit in possible:
             others = [x for x in possible if x is not limit]
             every = fitted(table.where(at_none(table, others)), known) if others else fit
-            yield limit, beside.limited(limit, table, every)
+            finding = beside.limited(limit, table, every)
+            if finding.asserted:
+                result[limit] = finding
+        return beside, result
 
     def limited(self, limit: Limit, table: Readings, fit: TableFit) -> Finding:
         """Return the limit of a sensor beside which these readings of a table are the others."""
@@ -772,6 +787,9 @@ class TableProblem(Problem):
         frame, rows, result = self.model.frame, self.table.rows, list[str]()
         if "offset" not in self.model.groups and not frame.loaded:
             result.append(f"{ONE_WAY} Measure in the other direction, too.")
+        if self.model.step and self.model.is_equal and not np.median(self.table.stated):
+            half = quantity(0.5 * self.model.step, "N m" if self.turning else "N", 2)
+            result.append(EQUAL.format(half, percent(0.5 * COARSEST)))
         if copies := self.table.copies:
             result.append(
                 "Readings at the same setting are all equal, as copies or rounded readings are, and"
@@ -922,10 +940,19 @@ def at_none(table: Readings, limits: Iterable[Limit]) -> "NDArray[np.bool_]":
     return ~np.isin(np.arange(len(table.friction)), reached)
 
 
-def censored(table: Readings, limits: Sequence[Limit], families: Sequence[Family]) -> TableFit:
-    """Return the fit of readings of which some are at limits."""
-    others = table.where(at_none(table, limits))
-    problem = TableProblem(others, fitted(others, families))
+def limited(table: Readings, limits: Sequence[Limit], turning: bool) -> InputError:
+    """Return why a table with too few readings beside limits has no law."""
+    free, unit = at_none(table, limits), "N m" if turning else "N"
+    values = joined([quantity(limit.value, unit, 3) for limit in limits])
+    cures = ["a larger range" if limit.value else "a lower threshold" for limit in limits]
+    cure = joined([*dict.fromkeys(cures)])
+    return InputError(LIMITED.format(np.sum(~free), len(free), values, cure))
+
+
+def censored(
+    table: Readings, limits: Sequence[Limit], families: Sequence[Family], problem: TableProblem
+) -> TableFit:
+    """Return the fit of readings of which some are at limits, by the problem of the others."""
     known = replace(table, friction=table.friction.copy(), stated=table.stated.copy())
     for again in (False, True):
         for limit in limits:
