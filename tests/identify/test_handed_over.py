@@ -250,4 +250,4 @@ def test_a_mechanism_without_a_constant_force_has_the_offset_in_the_law():
         for name in ("forward_kinetic_coefficient", "backward_kinetic_coefficient")
     )
     assert (ahead - back) * load == pytest.approx(2.0 * 0.4, abs=0.03)
-    assert any("no constant force" in one for one in verdict.words.cannot_tell)
+    assert any("is in the levels of the law" in text for text in verdict.words.cannot_tell)

@@ -59,7 +59,14 @@ from stickslip.identify.problems.record_columns import (
     RecordFrame,
     law_column,
 )
-from stickslip.identify.problems.record_rows import CUTOFFS, MIDDLE, SHORT, Acting, BalanceRows
+from stickslip.identify.problems.record_rows import (
+    CUTOFFS,
+    LOW,
+    MIDDLE,
+    SHORT,
+    Acting,
+    BalanceRows,
+)
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
 
@@ -638,10 +645,10 @@ class RecordModel(Model):
         left = solved_softly(self._bare("relaxing"), self.balance.rows(MIDDLE).response)[1]
         return capped(left, FARTHEST)
 
-    def _bare(self, *further: str) -> Array:
+    def _bare(self, *further: str, which: int = MIDDLE) -> Array:
         """Return the columns of a balance with a curve of the velocity, and further ones (n, p)."""
-        balance, rows = self.balance, self.balance.rows(MIDDLE)
-        plain = balance.fixed(MIDDLE)
+        balance, rows = self.balance, self.balance.rows(which)
+        plain = balance.fixed(which)
         without = {"force", "zero", "relaxing", "flexible"} - {*further}
         names = [name for name in plain if name not in without]
         curve = []
@@ -654,16 +661,17 @@ class RecordModel(Model):
         """Return the mode of a mass on a spring, if likely.
 
         The mass is above 0 and at most the inertia. Beside it stand a curve of the velocity, forces
-        by place and a linear delay.
+        by place and a linear delay. Rows have the lowest cutoff, where accelerations have the least
+        noise: above the motion, the column of a mass is the acceleration itself.
         """
-        balance, rows = self.balance, self.balance.rows(MIDDLE)
+        balance, rows = self.balance, self.balance.rows(LOW)
         longest = max(balance.pieces, key=lambda piece: len(piece.velocity))
         frequencies = longest.highest_frequency * np.geomspace(BEYOND, STIFF, MODES)
         frequencies = frequencies[frequencies < longest.cutoff]
         resolved = np.flatnonzero(rows.far > RESOLVED)
         if not (balance.driven and len(frequencies) and len(resolved) >= FEW):
             return None
-        x = np.hstack([self._bare("force"), balance.delayed(MIDDLE, RIGID)[:, None]])
+        x = np.hstack([self._bare("force", which=LOW), balance.delayed(LOW, RIGID)[:, None]])
         plain = solved_softly(x, rows.response)[0]
         inertia = abs(float(plain[-2])) if balance.finds_inertia else balance.inertia
         if len(resolved) < 2 * x.shape[1] or not inertia > 0.0:
@@ -678,7 +686,7 @@ class RecordModel(Model):
         def gain(logarithms: Array) -> float:
             """Return the logarithm of what a mass gains beside the swings of its mode."""
             mode = np.exp(logarithms)
-            both = [balance.swinging(MIDDLE, *mode), balance.sprung(MIDDLE, *mode)]
+            both = [balance.swinging(LOW, *mode), balance.sprung(LOW, *mode)]
             columns = np.column_stack(both)[resolved]
             apart, sizes = np.linalg.qr(columns - basis @ (basis.T @ columns))
             apart *= np.diag(sizes) ** 2 > RIDGE * np.sum(columns**2, axis=0)

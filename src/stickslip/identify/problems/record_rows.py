@@ -41,7 +41,7 @@ COST = 0.0015
 friction of axes in a loop is wrong by .3 to 1.9 %."""
 CUTOFFS = (0.7, 1.0, 1.4)
 """Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
-MIDDLE = 1
+LOW, MIDDLE = 0, 1
 PERIODS = 8.0
 """Least cutoff over the frequency of the motion: else no speed is resolved between turns."""
 ON, BACK = 5.0, 0.1
