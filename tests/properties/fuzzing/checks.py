@@ -616,6 +616,7 @@ def _energy(case: Case, at: Trajectory, i: int = 0) -> tuple[float, float]:
     q = {name: float(at[name][i]) for name in mechanism.coordinates} | held
     names = zip(mechanism.coordinates, mechanism.rates, strict=True)
     q_dot = {name: float(at[rate][i]) for name, rate in names} | held
+    q_dot |= dict.fromkeys(mechanism.computed, 0.0)  # numbers of a controller
     kinetic = float(mechanism.kinetic_energy(q, q_dot))
     potential = float(mechanism.potential_energy(float(at.t[i]), q))
     return kinetic + potential, abs(kinetic) + abs(potential)
