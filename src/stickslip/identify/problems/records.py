@@ -841,7 +841,7 @@ class RecordProblem(Problem):
         """
         mode, b = self.model.balance.mode, self.model.split(draw.node, draw.random)
         assert mode is not None
-        inertia = b["inertia"][0] if "inertia" in b else np.full(len(draw.law), mode.inertia)
+        inertia = b["inertia"][0] if "inertia" in b else np.full(draw.random.shape[1], mode.inertia)
         mass, shift = b["flexible"][:2]
         shift = 10.0 * BESIDE_MODE[0, 0] * shift / np.where(mass == 0.0, np.inf, mass)
         share = np.minimum(mass * mode.inertia / np.maximum(np.abs(inertia), 1e-300), 1.0)
