@@ -520,7 +520,7 @@ def test_inertia_and_friction_hold_beside_a_mass_on_a_spring(mass: float, freque
     stated = re.search(r"inertia, (.*) kg is on a spring.* with (.*) Hz", flexible.sentence)
     assert stated
     assert float(stated[1]) == pytest.approx(6.3 * flexible.size, rel=0.02)
-    # slow motion shows the mass over the square of its frequency, not both, and of a stiff mode about
+    # slow motion shows the mass over the square of its frequency, not both, of a stiff mode
     shown = 6.3 * flexible.size / float(stated[2]) ** 2
     assert shown == pytest.approx(mass / frequency**2, rel=0.2)
 

@@ -66,12 +66,12 @@ def test_a_command_that_may_hold_or_not_leaves_the_level_as_unsure_as_it_is(seed
 
 
 def test_a_hold_that_is_given_is_taken():
-    """Settings of the hold move the level by half a sample of the ramp, and make it no less sure."""
+    """Settings of the hold move the level by half a sample of the ramp, and make it as sure."""
     truth, measurement = trials(4)
     open_, zero, first = (
         intervals(judged(measurement, hold))[1] for hold in (None, "zero", "first")
     )
     assert zero[0] - 0.001 <= truth[1] <= zero[1] + 0.001
     assert np.mean(first) - np.mean(zero) == pytest.approx(0.5 / RATE, rel=0.5)
-    # half a sample is a tenth of the width: without it .5 % is left out, and drawn ends vary by 10 %
+    # half a sample is a tenth of the width: without it .5 % is left; drawn ends vary by 10 %
     assert zero[1] - zero[0] < 1.2 * (open_[1] - open_[0])
