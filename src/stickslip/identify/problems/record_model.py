@@ -657,21 +657,20 @@ class RecordModel(Model):
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
         return np.hstack([rows.seen(curve), *(plain[name] for name in names)])
 
-    def _mode(self) -> Mode | None:
+    def _mode(self, which: int) -> Mode | None:
         """Return the mode of a mass on a spring, if likely.
 
         The mass is above 0 and at most the inertia. Beside it stand a curve of the velocity, forces
-        by place and a linear delay. Rows have the lowest cutoff, where accelerations have the least
-        noise: above the motion, the column of a mass is the acceleration itself.
+        by place and a linear delay.
         """
-        balance, rows = self.balance, self.balance.rows(LOW)
+        balance, rows = self.balance, self.balance.rows(which)
         longest = max(balance.pieces, key=lambda piece: len(piece.velocity))
         frequencies = longest.highest_frequency * np.geomspace(BEYOND, STIFF, MODES)
         frequencies = frequencies[frequencies < longest.cutoff]
         resolved = np.flatnonzero(rows.far > RESOLVED)
         if not (balance.driven and len(frequencies) and len(resolved) >= FEW):
             return None
-        x = np.hstack([self._bare("force", which=LOW), balance.delayed(LOW, RIGID)[:, None]])
+        x = np.hstack([self._bare("force", which=which), balance.delayed(which, RIGID)[:, None]])
         plain = solved_softly(x, rows.response)[0]
         inertia = abs(float(plain[-2])) if balance.finds_inertia else balance.inertia
         if len(resolved) < 2 * x.shape[1] or not inertia > 0.0:
@@ -686,7 +685,7 @@ class RecordModel(Model):
         def gain(logarithms: Array) -> float:
             """Return the logarithm of what a mass gains beside the swings of its mode."""
             mode = np.exp(logarithms)
-            both = [balance.swinging(LOW, *mode), balance.sprung(LOW, *mode)]
+            both = [balance.swinging(which, *mode), balance.sprung(which, *mode)]
             columns = np.column_stack(both)[resolved]
             apart, sizes = np.linalg.qr(columns - basis @ (basis.T @ columns))
             apart *= np.diag(sizes) ** 2 > RIDGE * np.sum(columns**2, axis=0)
@@ -711,7 +710,9 @@ class RecordModel(Model):
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
-        balance.mode = self._mode()  # as forces act now
+        # as forces act now; noise of accelerations, for which a mass above the motion may stand, is
+        # least at the lowest cutoff
+        balance.mode = self._mode(MIDDLE) and self._mode(LOW)
         self.names = tuple(name for name in SCALES if self._acts(name))
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
