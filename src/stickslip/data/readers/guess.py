@@ -697,24 +697,24 @@ def _by_kind(
     return taken
 
 
-def _most_moving(frame: QuantityTable, found: Found) -> Found:
+def _most_moving(frame: QuantityTable, offer: Found) -> Found:
     """Return the component that moves most of those that are called alike but for their axis.
 
     A pendulum turns about one axis of a sensor, and any may be the first.
     """
     axis = re.compile(r"(?<![a-z])[xyz](?![a-z])", re.IGNORECASE)
-    stem = axis.sub("", found.name)
-    alike = [name for name in found.others if axis.sub("", name) == stem != found.name]
+    stem = axis.sub("", offer.name)
+    alike = [name for name in offer.others if axis.sub("", name) == stem != offer.name]
     if not alike:
-        return found
+        return offer
     spreads = {
-        name: float(np.nanstd(_numbers(frame, replace(found, name=name))))
-        for name in (found.name, *alike)
-        if frame.units.get(name) == frame.units.get(found.name)
+        name: float(np.nanstd(_numbers(frame, replace(offer, name=name))))
+        for name in (offer.name, *alike)
+        if frame.units.get(name) == frame.units.get(offer.name)
     }
     best = max(spreads, key=lambda name: spreads[name])
-    others = tuple(name for name in (found.name, *found.others) if name != best)
-    return replace(found, name=best, others=others, most_moving=True)
+    others = tuple(name for name in (offer.name, *offer.others) if name != best)
+    return replace(offer, name=best, others=others, most_moving=True)
 
 
 def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:

@@ -823,9 +823,9 @@ class RecordProblem(Problem):
             frequency, mass = np.median([drawn[1], drawn[0] * drawn[2]], axis=1)
             part = quantity(float(mass), "kg m^2" if self.turning else "kg", 2)
             return (
-                f"Of the inertia, {part} is on a spring, as behind a belt or a shaft: where its"
-                f" other end rests it swings with {quantity(float(frequency), 'Hz', 2)}. More"
-                " of it on a stiffer spring would move nearly so."
+                "Part of the inertia is on a spring, as behind a belt or a shaft. The record agrees"
+                f" with {part} that swings with {quantity(float(frequency), 'Hz', 2)} where its"
+                " other end rests; more of it on a stiffer spring would move nearly so."
             )
         what = {
             "place": "The level of friction changes with the place",
