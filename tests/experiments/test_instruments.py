@@ -521,6 +521,37 @@ def test_registers_of_a_servo_are_counts_of_an_axis_that_turns(tmp_path, family)
     assert not any("count" in doubt and "has no unit" in doubt for doubt in guess.doubts)
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        "axis0.pos_estimate,axis0.vel_estimate,torque_estimate,error",
+        "position,velocity,torque,q_current,fault",
+    ],
+)
+def test_motor_drives_report_turns(tmp_path, names):
+    path = tmp_path / "a.csv"
+    rows = [f"{t:.2f},{x:.6f},{v:.6f},{0.3 * v:.5f},0,0" for t, x, v in zip(T, X, V, strict=True)]
+    width = names.count(",") + 2
+    path.write_text(
+        "\n".join([f"time,{names}", *(",".join(row.split(",")[:width]) for row in rows)])
+    )
+    guess, record = read(path)
+    assert guess.turning
+    assert record.position == pytest.approx(2 * np.pi * X, abs=1e-5)
+    assert record.velocity == pytest.approx(2 * np.pi * V, abs=1e-5)
+    assert any("turns" in doubt and "--unit position=" in doubt for doubt in guess.doubts)
+
+
+def test_a_servo_that_logs_no_duty_is_a_dynamixel_with_doubt(tmp_path):
+    path = tmp_path / "a.csv"
+    lines = registers("Dynamixel").replace("Present_PWM", "Label").splitlines()
+    path.write_text("\n".join(lines))
+    guess, record = read(path)
+    assert guess.turning
+    assert record.position[0] == pytest.approx(np.pi, abs=1e-2)
+    assert any("a Feetech has 0.0146 rpm" in doubt for doubt in guess.doubts)
+
+
 def test_registers_whose_unit_is_given_are_no_counts(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(registers())

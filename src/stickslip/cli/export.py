@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip import exports
 from stickslip.cli import console as terminal
-from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
+from stickslip.cli.inputs import check_named, friction_title, rig_and_friction
 from stickslip.cli.options import (
     ApplyOptions,
     ExportOptions,
@@ -132,7 +132,7 @@ def _export_fmu(options: ExportOptions) -> None:
             rig=of, law=law_named, law_load=options.law_load, allow_import=options.allow_import
         )
     )
-    law = friction_of(chosen)
+    law = chosen.law
     exports.export_fmu(
         rig.mechanism,
         law,

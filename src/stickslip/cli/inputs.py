@@ -14,7 +14,6 @@ from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.data import (
     LOAD,
     CarriedLaw,
-    CarriedLaws,
     Checks,
     KnownLaws,
     LawEstimates,
@@ -57,7 +56,7 @@ from stickslip.show.formatting import joined, number, printable, significant, un
 
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
 
-Carried = TypeVar("Carried", CarriedLaw, CarriedLaws)
+Friction = TypeVar("Friction", FrictionLaw, Laws)
 
 USUAL_LAW = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
@@ -68,13 +67,18 @@ FRICTION = "friction."
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Chosen(Generic[Carried]):
+class _Chosen(Generic[Friction]):
     """What is to rub, and how well it is known."""
 
-    carried: Carried
+    carried: CarriedLaw[Friction]
     """The law, or laws by contact, with estimates, as transferred to this mechanism."""
     source: Rig | None = None
     """Where it was fitted, if that is another file than the rig's."""
+
+    @property
+    def law(self) -> Friction:
+        """The law, or laws by contact, as on this mechanism."""
+        return self.carried.law
 
     @property
     def estimates(self) -> LawEstimates | None:
@@ -87,22 +91,12 @@ class _Chosen(Generic[Carried]):
         return self.carried.remarks
 
 
-class ChosenLaw(_Chosen[CarriedLaw]):
+class ChosenLaw(_Chosen[FrictionLaw]):
     """A law and how well it is known."""
 
-    @property
-    def law(self) -> FrictionLaw:
-        """The law, as it is on this mechanism."""
-        return self.carried.law
 
-
-class ChosenLaws(_Chosen[CarriedLaws]):
+class ChosenLaws(_Chosen[Laws]):
     """Laws by contact and how well they are known."""
-
-    @property
-    def laws(self) -> Laws:
-        """The laws by contact."""
-        return self.carried.laws
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,18 +159,13 @@ def _value_of(kind: type[PrintedForm], name: str, text: str) -> float | bool:
     return text.lower() == "true"
 
 
-def friction_of(chosen: ChosenLaw | ChosenLaws) -> FrictionLaw | Laws:
-    """Return the law, or the laws by contact."""
-    return chosen.laws if isinstance(chosen, ChosenLaws) else chosen.law
-
-
 def friction_title(chosen: ChosenLaw | ChosenLaws | ChosenForm) -> str:
     """Return the law in words, or those of the contacts."""
     if isinstance(chosen, ChosenForm):
         return f"eq. {chosen.form.equation} as printed: {chosen.form.title}"
     if isinstance(chosen, ChosenLaw):
         return chosen.law.title
-    return ", ".join(dict.fromkeys(law.title for _, law in chosen.laws.members))
+    return ", ".join(dict.fromkeys(law.title for _, law in chosen.law.members))
 
 
 def rig_content(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm) -> dict[str, Any]:
@@ -189,7 +178,7 @@ def rig_content(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm) -> dict[s
         head["law"] = chosen.law.name
     else:
         names = [contact.name for contact in rig.mechanism.contacts()]
-        head["laws"] = {name: chosen.laws.names.get(name) for name in names}
+        head["laws"] = {name: chosen.law.names.get(name) for name in names}
     if chosen.source is not None:
         head["law_file"] = {"file": chosen.source.path, "digest": chosen.source.digest}
         head["remarks"] = list(map(terminal.plain, chosen.remarks))
@@ -294,8 +283,7 @@ def rig_and_friction(options: option_groups.LawOptions) -> tuple[Rig, ChosenLaw 
         if rig.contacts:
             laws = _by_contact(rig, options)
             known = estimates_by_contact(rig, laws)
-            own = CarriedLaws(laws=laws, estimates=known, remarks=(), source=rig.path)
-            return rig, ChosenLaws(carried=own)
+            return rig, ChosenLaws(carried=_of_file(rig, laws, known))
         if options.law is not None and "=" in options.law:
             raise InputError(
                 f"--law {options.law} names laws by contact, but {rig.path} has no tables of"
@@ -357,7 +345,7 @@ def _rig_and_law(options: option_groups.LawOptions) -> tuple[Rig, ChosenLaw | Ch
     if len(rig.mechanism.contacts()) > 1:
         source = load_rig(file["path"], overrides=own, allow_import=allow_import)
         laws = carried_by_contact(source, rig.mechanism, names=file["law"])
-        _check_all_used(source.overridden, laws.laws)
+        _check_all_used(source.overridden, laws.law)
         if options.law_load is not None:
             raise InputError("--law-load applies to the law of one contact: leave it out.")
         for remark in laws.remarks:
@@ -461,7 +449,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
     name = _name(rig) if name is None else rig.name_of(name)
     _refuse_printed(name)
     if name in rig.laws:
-        return _of_rig(rig, rig.laws[name], rig.estimates_of(name))
+        return ChosenLaw(carried=_of_file(rig, rig.laws[name], rig.estimates_of(name)))
     given = rig.given.get(name, {})
     try:
         kind = law_type(name)
@@ -478,7 +466,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
         ) from None
     lacks = "only some values" if given else "no values"
     terminal.note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
-    return _of_rig(rig, law, rig.estimates_of(name, law))
+    return ChosenLaw(carried=_of_file(rig, law, rig.estimates_of(name, law)))
 
 
 def _refuse_printed(name: str) -> None:
@@ -491,12 +479,10 @@ def _refuse_printed(name: str) -> None:
         )
 
 
-def _of_rig(rig: Rig, law: FrictionLaw, estimates: LawEstimates | None) -> ChosenLaw:
-    """Return a law on the mechanism of its own file."""
-    return ChosenLaw(
-        carried=CarriedLaw(
-            law=law, estimates=estimates, remarks=(), source=rig.path, fitted_on=rig.mechanism
-        )
+def _of_file(rig: Rig, law: Friction, estimates: LawEstimates | None) -> CarriedLaw[Friction]:
+    """Return a law, or laws by contact, on the mechanism of its own file."""
+    return CarriedLaw(
+        law=law, estimates=estimates, remarks=(), source=rig.path, fitted_on=rig.mechanism
     )
 
 

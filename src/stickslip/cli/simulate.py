@@ -19,7 +19,6 @@ from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
     ChosenLaws,
-    friction_of,
     rig_and_form,
     rig_and_friction,
     rig_content,
@@ -57,7 +56,7 @@ def run_animate(options: AnimateOptions) -> None:
     fps = frame_rate(output, options.fps)
     refuse_overwriting(output, output.parent, force=options.force)
     rig, chosen = inputs.rig_and_friction(options)
-    law = inputs.friction_of(chosen)
+    law = chosen.law
     end = rig.t_end if options.t_end is None else options.t_end
     start = rig.start(law)
     seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
@@ -189,7 +188,7 @@ def _ran(rig: Rig, chosen: Chosen, options: SimulateOptions) -> RunReport:
             f" {mechanism.name} has {names}: leave it out."
         )
     _refuse_impossible(rig, chosen, options)
-    friction = chosen.corrected if isinstance(chosen, ChosenForm) else friction_of(chosen)
+    friction = chosen.corrected if isinstance(chosen, ChosenForm) else chosen.law
     rig = rig if form else _told(rig, friction)
     source = chosen.source
     digests = {"the rig": rig.digest} | ({} if source is None else {"the law": source.digest})
@@ -340,7 +339,7 @@ def _band(rig: Rig, chosen: Chosen, options: SimulateOptions, run: Trajectory) -
             "The ensemble was not simulated: the run with the best-fit values ended early."
         )
         return None
-    friction = friction_of(chosen)
+    friction = chosen.law
     with Drawing("Running") as progress:
         return sweep.band_of(
             rig.mechanism,

@@ -18,7 +18,7 @@ from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli import options as option_groups
 from stickslip.cli.console import note, print_json, stdout
-from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
+from stickslip.cli.inputs import FILE, friction_title, rig_and_friction
 from stickslip.cli.options import LawOptions, PaperOptions, SweepOptions
 from stickslip.cli.progress import Drawing, Improving, Interrupts, Watching, workers
 from stickslip.cli.simulate import check_table, table_bytes
@@ -290,7 +290,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
             law = str(path.parent / law_text) if FILE.fullmatch(law_text) else law_text
             options = LawOptions(rig=source, law=law or None, allow_import=allow_import)
             rig, chosen = rig_and_friction(options)
-            friction = friction_of(chosen)
+            friction = chosen.law
             labels = {"rig": rig_name} if len(rigs) > 1 else {}
             labels |= {"law": law_name} if len(laws) > 1 else {}
             last = _number(raw["t_end"], TIME, f"{file}: t_end") if "t_end" in raw else rig.t_end
@@ -479,7 +479,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
-    law = inputs.friction_of(chosen)
+    law = chosen.law
     settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
     settings["y0"] = rig.start(law)
     measured: list[tuple[float, float]] = []
@@ -653,7 +653,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
         raise InputError("--energy goes with one --vary: charts have no energies.")
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
-    law, cells = inputs.friction_of(chosen), options.values or CHART_CELLS
+    law, cells = chosen.law, options.values or CHART_CELLS
     with Drawing("Running", "lines" if of_chart else "values") as progress:
         shared: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
         shared |= {"y0": rig.start(law), "progress": progress}
@@ -775,7 +775,7 @@ def run_optimise(options: option_groups.OptimiseOptions) -> None:
             rig=options.rig, changes=options.changes, law=options.law, law_load=options.law_load
         )
     )
-    law = inputs.friction_of(chosen)
+    law = chosen.law
     result = _optimum(rig, law, _scenarios(rig, chosen, law, options), options)
     content = document("optimum", inputs.rig_content(rig, chosen) | result.to_dict())
     if folder is not None:

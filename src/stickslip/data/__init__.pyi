@@ -67,7 +67,6 @@ from stickslip.data.records import UNIT_LOAD as UNIT_LOAD
 from stickslip.data.records import load_measurement as load_measurement
 from stickslip.data.records import read_data as read_data
 from stickslip.data.rig import CarriedLaw as CarriedLaw
-from stickslip.data.rig import CarriedLaws as CarriedLaws
 from stickslip.data.rig import KnownLaws as KnownLaws
 from stickslip.data.rig import LoopSamples as LoopSamples
 from stickslip.data.rig import Published as Published
@@ -101,7 +100,6 @@ from stickslip.data.units import read_number as read_number
 
 __all__ = [
     "CarriedLaw",
-    "CarriedLaws",
     "Checks",
     "Finding",
     "Guess",

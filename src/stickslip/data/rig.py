@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Generic, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -727,12 +727,16 @@ RUN_TIMES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CarriedLaw:
-    """A law for a mechanism, and where it is from."""
+Friction = TypeVar("Friction", FrictionLaw, Laws)
 
-    law: FrictionLaw
-    """The law, its levels over the normal force where the mechanism has one."""
+
+@dataclass(frozen=True, kw_only=True)
+class CarriedLaw(Generic[Friction]):
+    """A law, or laws by contact, for a mechanism, and where it is from."""
+
+    law: Friction
+    """The law, its levels over the normal force where the mechanism has one; or those by contact.
+    """
     estimates: estimates.LawEstimates | None
     """How well it is known, if its file says so."""
     remarks: tuple[str, ...]
@@ -743,23 +747,9 @@ class CarriedLaw:
     """The mechanism of that file."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CarriedLaws:
-    """Laws by contact for a mechanism, and where they are from."""
-
-    laws: Laws
-    """The laws of the contacts that rub."""
-    estimates: estimates.LawEstimates | None
-    """How well they are known, if their file says so."""
-    remarks: tuple[str, ...]
-    """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
-    source: str
-    """The file they are from."""
-
-
 def carried_by_contact(
     rig: Rig, mechanism: Mechanism, *, names: str | Mapping[str, str] | None = None
-) -> CarriedLaws:
+) -> CarriedLaw[Laws]:
     """Return the laws of a rig's contacts as they are on another mechanism with these contacts.
 
     Examples
@@ -769,7 +759,7 @@ def carried_by_contact(
     >>> known = KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)})
     >>> chain = BlockChain(blocks=2, mass=1.0, coupling=100.0)
     >>> rig = Rig(mechanism=chain, contacts={"block-1": known, "block-2": None}, path="law.toml")
-    >>> carried_by_contact(rig, chain).laws.names
+    >>> carried_by_contact(rig, chain).law.names
     {'block-1': 'coulomb'}
     """
     here = [contact.name for contact in mechanism.contacts()]
@@ -799,7 +789,9 @@ def carried_by_contact(
         f"{contact}: {sentence}" for contact, law in result.members for sentence in _about_rest(law)
     ]
     remarks = (*rest, *_about_doubt(result, known))
-    return CarriedLaws(laws=result, estimates=known, remarks=remarks, source=rig.path)
+    return CarriedLaw(
+        law=result, estimates=known, remarks=remarks, source=rig.path, fitted_on=rig.mechanism
+    )
 
 
 def estimates_by_contact(rig: Rig, laws: Laws) -> estimates.LawEstimates | None:
@@ -822,7 +814,7 @@ def estimates_by_contact(rig: Rig, laws: Laws) -> estimates.LawEstimates | None:
 
 def carried(
     rig: Rig, mechanism: Mechanism, *, law: str | None = None, load: float | None = None
-) -> CarriedLaw:
+) -> CarriedLaw[FrictionLaw]:
     """Return a law of a rig as it is on another mechanism.
 
     Levels over the normal force carry over. Levels that are forces, because the rig's normal force
@@ -868,8 +860,7 @@ def carried(
     remarks += _about_viscosity(result, known, slips_by_angle(rig.mechanism))
     if here == "per load":
         remarks += _about_bristles(result, slips_by_angle(mechanism))
-    remarks += _about_rest(result)
-    remarks += _about_doubt(result, known)
+    remarks += [*_about_rest(result), *_about_doubt(result, known)]
     return CarriedLaw(
         law=result,
         estimates=known,
@@ -879,7 +870,9 @@ def carried(
     )
 
 
-def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tuple[str, ...]:
+def extrapolations(
+    law: CarriedLaw[FrictionLaw], mechanism: Mechanism, run: Trajectory
+) -> tuple[str, ...]:
     """Return where a run leaves the speeds and normal forces at which its law was fitted.
 
     Examples

@@ -610,7 +610,7 @@ def _carried(
     source: data.Rig, law: str | None, rig: data.Rig | None, law_load: float | None
 ) -> Subject:
     onto = source.mechanism if rig is None else rig.mechanism
-    result: data.CarriedLaw = data.carried(source, onto, law=law, load=law_load)
+    result = data.carried(source, onto, law=law, load=law_load)
     origin = Path(source.path).name
     if origin and source.digest:
         origin = f"{origin}, SHA-256 {source.digest}"

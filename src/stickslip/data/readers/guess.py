@@ -515,7 +515,7 @@ def _of_servo(
         and quantity in servo.units
         and quantity not in units
         and column.unit is None
-        and robots.are_counts(frame.data[frame.names[column.name]])
+        and not (servo.in_counts and not robots.are_counts(frame.data[frame.names[column.name]]))
     }
     if servo is None or not {"position", "reference"} & found.keys():
         return None, dict(found)

@@ -39,24 +39,28 @@ ID: Final = "id"
 
 @dataclass(frozen=True, kw_only=True)
 class Servo:
-    """A family of servos."""
+    """A family of servos or drives."""
 
     title: str
+    registers: Collection[str]
+    """How registers end of which a log has one."""
     marks: Collection[str]
-    """Registers that the other family has not."""
+    """How registers end that no other family has."""
     units: Mapping[str, str]
     """Quantity -> unit of its numbers."""
-    gains: Mapping[str, float | str]
+    gains: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> what a count is."""
     remarks: Mapping[str, str] = field(default_factory=dict)
     """Quantity -> what the model decides."""
     sign_bit: bool = False
     """Whether the highest bit of a register is its sign; else negative numbers are complements."""
+    in_counts: bool = True
+    """Whether numbers are those of registers, which are whole, not those of a driver."""
 
     @property
     def why(self) -> str:
         """What speaks for a column, in words."""
-        return f"as a register of a {self.title}"
+        return f"as a register of {self.title}"
 
     def doubts(self, read: Collection[str], given: Collection[str]) -> list[str]:
         """Return what the model decides of the quantities that are read and were not given."""
@@ -83,12 +87,16 @@ def servo_of(names: Collection[str]) -> Servo | None:
     Examples
     --------
     >>> servo_of(["t", "Present_Position", "Present_PWM"]).title, servo_of(["t", "position"])
-    ('Dynamixel', None)
+    ('a Dynamixel', None)
+    >>> servo_of(["time", "axis0.pos_estimate"]).title
+    'an ODrive'
     """
-    registers = {register_name(name) for name in names}
-    if not registers & {"presentposition", "goalposition"}:
-        return None
-    return next((servo for servo in SERVOS if registers.intersection(servo.marks)), None)
+    known = [register_name(name) for name in names]
+
+    def has(ends: Collection[str]) -> bool:
+        return any(name.endswith(tuple(ends)) for name in known)
+
+    return next((servo for servo in SERVOS if has(servo.registers) and has(servo.marks)), None)
 
 
 def are_counts(column: "pd.Series[Any]") -> bool:
@@ -143,7 +151,7 @@ def with_signs(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
         return data, []
     how = "bit 15 is the sign" if servo.sign_bit else "negative numbers are two's complements"
     return data.assign(**{name: signed[name] for name in changed}), [
-        f"Registers of a {servo.title} were recorded without their sign, and are read with it, as"
+        f"Registers of {servo.title} were recorded without their sign, and are read with it, as"
         f" {how}: {joined([shown(str(name)) for name in changed])}."
     ]
 
