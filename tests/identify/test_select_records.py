@@ -234,6 +234,27 @@ def rubbed(*levels):
     )
 
 
+def test_friction_that_falls_at_one_speed_is_said_with_its_ends():
+    """As a disc runs in: bristles of metres, at rest at the first sample, are no rival of a drift.
+
+    The friction is 3.4 N at first and 2.4 N at last, 2.5 N in the mean.
+    """
+    t = np.arange(0.0, 600.0)
+    friction = 2.4 + np.exp(-t / 60.0) + 0.08 * np.random.default_rng(11).normal(size=len(t))
+    disc = Measurement(time=t, velocity=np.full(len(t), 0.1), friction=friction)
+    verdict = select(Axis(inertia=1.0), None, disc)
+    [drift] = [x for x in verdict.findings if x.term == "drift"]
+    found = re.search(
+        r"falls over the record, from (\S+) N at its .* to (\S+) N at its", drift.sentence
+    )
+    assert found is not None
+    assert drift.asserted
+    assert float(found[1]) == pytest.approx(3.3, abs=0.3)
+    assert float(found[2]) == pytest.approx(2.4, abs=0.1)
+    band = verdict.band(0.1)
+    assert np.all((band.low < friction.mean()) & (friction.mean() < band.high))
+
+
 def test_trials_that_differ_widen_the_band_and_are_said_to():
     alike, unlike = select(AXIS, None, rubbed(5.0, 5.0, 5.0)), select(
         AXIS, None, rubbed(5.0, 6.0, 7.0)

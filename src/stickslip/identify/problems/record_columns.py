@@ -463,7 +463,7 @@ class Balance:
         if memory.length == 0.0:
             return piece.direction
         if not memory.lags:
-            return bristle(piece.along(memory.length), memory.length, memory.exponent)
+            return bristle(piece.along(memory.length), memory.length, memory.exponent, piece.start)
         ones = np.ones((len(piece.way), 1))
         return relaxed(piece.along(memory.length), self.lengths(memory, piece), ones)[:, 0]
 
@@ -507,12 +507,14 @@ class Balance:
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
         others = [
-            bristle(piece.along(length), length, n) - state
+            bristle(piece.along(length), length, n, piece.start) - state
             for length in lengths
             for n in (0.0, 1.0)
         ]
         if memory.length:  # what no law says while it is not stretched depends on the speed, too
-            lacks = piece.direction - bristle(piece.along(memory.length), memory.length, 1.0)
+            lacks = piece.direction - bristle(
+                piece.along(memory.length), memory.length, 1.0, piece.start
+            )
             others += [*(lacks[:, None] * hats).T]
         groups["others"] = np.column_stack(others) * math.sqrt(TOGETHER / len(others))
         for name in frame.inputs:

@@ -478,6 +478,11 @@ class Piece:
             still = maximum_filter1d(np.abs(self.velocity), 2 * half + 1) < limit
         return np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
 
+    @property
+    def start(self) -> float:
+        """State of bristles at the first sample: stretched in motion, whatever was before."""
+        return 0.0 if self.still[0] else float(self.direction[0])
+
     @cached_property
     def turns(self) -> Places:
         """Samples at which the motion turns."""

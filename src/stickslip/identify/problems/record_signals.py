@@ -436,8 +436,8 @@ def followed(path: Array, reach: float) -> Array:
     return np.array(result)
 
 
-def bristle(path: Array, length: float, exponent: float) -> Array:
-    """Return the state (n,) in [-1, 1] of a bristle along a way.
+def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:
+    """Return the state (n,) in [-1, 1] of a bristle along a way, from its state at the start.
 
     Between turns of the way, with u = 1 - s z and the way x over the length, u falls as
     u0 - x, u0 exp(-x), or (u0^(1-n) - (1-n) x)^(1/(1-n)).
@@ -446,15 +446,17 @@ def bristle(path: Array, length: float, exponent: float) -> Array:
     --------
     >>> bristle(np.array([0.0, 0.5, 2.0, 1.5]), 1.0, 0.0).tolist()
     [0.0, 0.5, 1.0, 0.5]
+    >>> bristle(np.array([0.0, 0.5, 2.0, 1.5]), 1.0, 0.0, start=1.0).tolist()
+    [1.0, 1.0, 1.0, 0.5]
     """
     way = np.sign(np.diff(path))
     moved = np.flatnonzero(way)
-    result = np.zeros(len(path))
+    result = np.full(len(path), start)
     if not len(moved):
         return result
     turns = moved[1:][way[moved[1:]] != way[moved[:-1]]]
     edges = [int(moved[0]), *turns.tolist(), len(path) - 1]
-    z = 0.0
+    z = start
     for a, b in pairwise(edges):
         side = float(way[a])
         x = np.abs(path[a + 1 : b + 1] - path[a]) / length

@@ -689,7 +689,11 @@ class RecordProblem(Problem):
 
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         """Return what changes along the records, with its probability."""
-        result = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
+        result = [
+            self._of_size(name, draws)
+            for name in FINDINGS
+            if name in self.model.names and not (name == "force" and self._one_way)
+        ]
         result += [self._delay(draws)] if "delay" in self.model.names else []
         result += self._given(draws) + self._limit(draws)
         inputs = [*self.model.frame.inputs]
@@ -755,7 +759,8 @@ class RecordProblem(Problem):
         interval, what is out of it on one side counts twice.
         """
         model, rows = self.model, self.model.balance.rows(MIDDLE)
-        of = (name, "spring") if name == "force" and "spring" in model.names else (name,)
+        alike = {"force": ("spring",), "drift": ("place", "force") * self._one_way}.get(name, ())
+        of = [x for x in (name, *alike) if x in model.names]
         nodes = zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True)
         likely = sum(w for node, w in nodes if any(model.at(node, x) >= NEGLIGIBLE for x in of))
         frame, waves = model.frame, model.balance.waves
@@ -767,7 +772,7 @@ class RecordProblem(Problem):
         }
         if name == "relaxing":
             columns[name] = model.balance.fixed(MIDDLE)[name]
-        changes = []
+        changes, apart = [], []
         for draw in draws:
             b = model.split(draw.node, draw.random)[name]
             if name == "run":
@@ -775,8 +780,8 @@ class RecordProblem(Problem):
             elif name in ("zone", "flexible"):
                 changes.append(b[0] if name == "zone" else self._on_spring(draw)[0] * self.size)
             elif name == "drift":
-                ends = frame.course(frame.start + frame.duration * np.array([0.0, 1.0]))
-                changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
+                apart.append(self._in_time(draw, b, columns))
+                changes.append(np.diff(apart[-1], axis=0)[0])
             else:
                 moved = columns[name][::7] @ b
                 if name == "force":
@@ -785,24 +790,43 @@ class RecordProblem(Problem):
         change = np.concatenate(changes) / self.size
         middle = float(np.median(change))
         little = min(float(np.mean(k * change < NEGLIGIBLE)) for k in (-1, 1))
-        how = self._sentence(name, middle, draws)
+        ends = np.median(np.hstack(apart), axis=1).tolist() if apart else ()
+        how = self._sentence(name, middle, draws, ends)
         return stated(
             name, FINDINGS[name], min(float(likely), max(1.0 - 2.0 * little, 0.0)), change, how
         )
 
-    def _sentence(self, name: str, size: float, draws: Sequence[Draws]) -> str:
+    @property
+    def _one_way(self) -> bool:
+        """Whether a force beside friction is not distinguished from the level."""
+        return len(self.model.frame.sides) == 1
+
+    def _in_time(self, draw: Draws, b: Array, columns: Mapping[str, Array]) -> Array:
+        """Return the level at the beginning and the end from its mean (2, k)."""
+        frame, plain = self.model.frame, self.model.split(draw.node, draw.random)
+        level, slope = np.split(b, 2)
+        moved = columns["drift"] @ level
+        if self._one_way:  # a force and a place pass for time, and so does viscosity
+            share = float(np.median(np.abs(self.model.balance.rows(MIDDLE).velocity))) / frame.top
+            moved += columns["drift"] @ (plain["zero"] + share * slope)
+            moved += sum(columns[x] @ plain[x] for x in ("place", "force"))
+        return np.asarray(moved[[0, -1]] - np.mean(moved, axis=0))
+
+    def _sentence(
+        self, name: str, size: float, draws: Sequence[Draws], ends: Sequence[float]
+    ) -> str:
         unit = "N m" if self.turning else "N"
         if name == "drift":
             v = self.asked().velocity
             side = 1.0 if (v > 0.0).any() else -1.0
             at = self.at([side * float(np.median(np.abs(v[side * v > 0.0])))])
             typical = abs(float(np.median(self.steady(at, draws))))
-            ends = [typical + k * 0.5 * size * self.size for k in (-1.0, 1.0)]
-            first, last = (quantity(x, unit, 3) for x in ends)
+            first, last = (quantity(typical + x, unit, 3) for x in ends)
             verb = "falls" if size < 0.0 else "rises"
+            beside = ", or a force beside it," if self._one_way else ""
             return (
-                f"Friction {verb} over the record, from {first} at its beginning to {last} at its"
-                " end."
+                f"Friction{beside} {verb} over the record, from {first} at its beginning to {last}"
+                " at its end."
             )
         if name == "run":
             runs = self.model.balance.runs
