@@ -913,27 +913,39 @@ def test_a_unit_that_is_given_says_whether_the_axis_turns(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("head", "options", "scale"),
+    ("driving", "options", "scale"),
     [
         ("torque (N m)", {}, 1.0),
         ("current (A)", {"motor_constant": "0.12 N m/A"}, 0.12),
         ("current", {}, 1.0),
     ],
 )
-def test_steady_readings_of_what_drives_are_readings_of_friction(tmp_path, head, options, scale):
+@pytest.mark.parametrize("timed", [True, False])
+def test_steady_readings_of_what_drives_are_readings_of_friction(
+    tmp_path, driving, options, scale, timed
+):
     path = tmp_path / "a.csv"
     v = np.random.default_rng(1).uniform(-3.0, 3.0, 50)
     f = 0.5 * np.sign(v) + 0.1 * v
-    path.write_text(
-        f"time (s),velocity (rad/s),{head}\n" + rows((5.0 * np.arange(50), v, f), ",", points)
-    )
+    if timed:
+        head, columns = f"time (s),velocity (rad/s),{driving}", (5.0 * np.arange(50), v, f)
+    else:
+        head, columns = f"velocity (rad/s),{driving}", (v, f)
+    path.write_text(f"{head}\n" + rows(columns, ",", points))
     guess = guess_data(path, **options)
     assert set(guess.columns) == {"velocity", "friction"}
     assert guess.turning
     assert read_data([path], guess.reading).friction == pytest.approx(scale * f, abs=1e-3)
     left = any("question mark for the motor constant" in doubt for doubt in guess.doubts)
-    assert left == (head == "current")
+    assert left == (driving == "current")
     assert ('gain = { friction = "? N m/A" }' in guessed_rig(guess, path)) == left
+
+
+def test_samples_of_a_motion_without_times_are_no_steady_readings(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("velocity (rad/s),current (A)\n" + rows((X, F), ",", points))
+    with pytest.raises(InputError, match="no column seems to hold times"):
+        guess_data(path)
 
 
 HEADED = ("time [s]", "position [m]", "force [N]")

@@ -257,7 +257,8 @@ def guess_data(
     result = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     doubt = result.pop(measurement.STATED, None)
     frame = _without_rate(frame, result)
-    _check_enough(frame, result)
+    alone = "time" not in result and _is_of_motor(frame, result)
+    _check_enough(frame, _as_friction(result) if alone else result)
     servo, result = _of_servo(frame, result, units or {})
     result = result if servo is not None else _by_derivative(frame, result)
     if motor_constant is not None and "current" not in result:
@@ -267,16 +268,16 @@ def guess_data(
         )
     times = times_of(frame, result["time"]) if "time" in result else None
     trial, why = trial_column(frame, given, result, times)
-    steady, by_current = "", False
+    steady = ""
     if times is not None and "time" not in given and _is_steady(frame, result, times):
         clock, times = result.pop("time"), None
         steady = clock.name
-        by_current = "current" in result
-        result = _as_friction(result)
-        units, gain = (_as_friction(x or {}) for x in (units, gain))
         reasons["rows"] = (
             f"steady readings; their times, column {steady!r}, are read as their order"
         )
+    by_current = bool(steady or alone) and "current" in result
+    renamed = _as_friction if steady or alone else dict
+    result, units, gain = renamed(result), renamed(units or {}), renamed(gain or {})
     if trial:
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
@@ -316,9 +317,8 @@ def guess_data(
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
     sure = {*(units or {}), *(gain or {}), *registers, measurement.STATED}
     pressed = "load" in result and "load" not in (gain or {})
-    rubs = next(
-        (x for q, x in result.items() if q == "friction" and is_of(x.unit or "", "1")), None
-    )
+    rubs = [x.name for q, x in result.items() if q == "friction" and is_of(x.unit or "", "1")]
+    rubs = rubs if "load" not in result and not turning else []
     pressed = pressed and bool(np.all(_numbers(frame, result["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
@@ -365,11 +365,7 @@ def guess_data(
             *([UPSIDE_DOWN] if backwards else []),
             *(servo.doubts(result, gain or {}) if servo is not None else ()),
             *([PRESSED.format(result["load"].name)] if pressed else []),
-            *(
-                [PER_LOAD.format(rubs.name)]
-                if rubs and "load" not in result and not turning
-                else []
-            ),
+            *map(PER_LOAD.format, rubs),
             *_doubts(frame, result, turning, sure, motor_constant),
             *_offered(conditions, result),
         ),
@@ -1149,6 +1145,11 @@ def rate_text(times: measurement.Array) -> str:
 def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     """Return what belongs to quantities, that of a drive to the friction at steady speeds."""
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
+
+
+def _is_of_motor(frame: QuantityTable, found: Mapping[str, Found]) -> bool:
+    """Whether rows without times are steady currents of a motor, not samples of a motion."""
+    return "current" in found and _is_steady(frame, found, np.arange(float(len(frame.data))))
 
 
 def _is_steady(frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array) -> bool:
