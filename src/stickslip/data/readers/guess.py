@@ -257,8 +257,8 @@ def guess_data(
     result = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     doubt = result.pop(measurement.STATED, None)
     frame = _without_rate(frame, result)
-    alone = "time" not in result and _is_of_motor(frame, result)
-    _check_enough(frame, _as_friction(result) if alone else result)
+    untimed = "time" not in result and _is_of_motor(frame, result)
+    _check_enough(frame, _as_friction(result) if untimed else result)
     servo, result = _of_servo(frame, result, units or {})
     result = result if servo is not None else _by_derivative(frame, result)
     if motor_constant is not None and "current" not in result:
@@ -275,8 +275,8 @@ def guess_data(
         reasons["rows"] = (
             f"steady readings; their times, column {steady!r}, are read as their order"
         )
-    by_current = bool(steady or alone) and "current" in result
-    renamed = _as_friction if steady or alone else dict
+    by_current = bool(steady or untimed) and "current" in result
+    renamed = _as_friction if steady or untimed else dict
     result, units, gain = renamed(result), renamed(units or {}), renamed(gain or {})
     if trial:
         given["trial"] = trial
