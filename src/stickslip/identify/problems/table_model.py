@@ -615,13 +615,15 @@ class TableModel(Model):
         self.weights, self.reference = weights, reference
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
-        values, of_value = np.unique(readings.friction, return_inverse=True)
+        values = np.unique(readings.friction)
         self.is_equal = len(np.unique(np.abs(values))) == 1
         self.is_flat = bool(self.step) and (
             self.is_equal or (len(values) <= FEW_GAPS and not self.repeats)
         )
-        if self.is_flat:  # equal readings have one error
-            self.block, self.repeats = of_value.ravel(), False
+        if self.is_flat:  # equal readings at neighbouring speeds have one error
+            order = np.argsort(readings.rows.along, kind="stable")
+            ends = np.diff(readings.friction[order], prepend=math.inf) != 0.0
+            self.block[order], self.repeats = np.cumsum(ends) - 1, False
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
         self.ordered_by, self.is_sorted = order_of(readings)
         self.scales = self._scales()
@@ -707,11 +709,31 @@ class TableModel(Model):
         Noise makes errors of rounding at one friction differ: what is the same fades with it
         (B. Widrow, I. Kollar, Quantization Noise, 2008).
         """
-        result = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2
-        if not self.is_flat:
-            return result + self.step**2 / 12.0
-        fading = math.exp(-((math.tau * self.sigma(node) / self.step) ** 2))
-        return result + self.step**2 / 12.0 * fading
+        repeated = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2
+        return repeated + self._alike(node) * self.step**2 / 12.0
+
+    def _alike(self, node: Node) -> float:
+        """Return the share of the variance of rounding that is the same for readings of a block."""
+        return math.exp(-((math.tau * self.sigma(node) / self.step) ** 2)) if self.is_flat else 1.0
+
+    def _precisions(self, node: Node) -> tuple[Array, float]:
+        """Return precisions of readings (n,) at a node, over the squared noise, and half their log.
+
+        Of readings that rounding makes equal no scatter says how small the noise is.
+        """
+        readings, alike = self.readings, self._alike(node)
+        known = readings.stated**2 + (1.0 - alike) * self.step**2 / 12.0
+        variance = self.growth(readings.rows, node) ** 2 / self.weights
+        w = readings.count / (variance + known / self.sigma(node) ** 2)
+        # readings of a cell have the determinant of their noise, not of their mean's
+        volume = readings.count * np.log(w / readings.count)
+        if self.is_flat:
+            free = 1.0 - 1.0 / np.bincount(self.block)[self.block]
+            # so that to 2 % theirs is the probability to be equal, about the middle of a step
+            more = alike / 12.0 + (1.0 / math.tau - 1.0 / 12.0) * alike**0.25
+            more *= (self.step / self.sigma(node)) ** 2
+            volume = volume - free * np.log1p(more * w / readings.count)
+        return w, 0.5 * float(np.sum(volume))
 
     def begin(self) -> list[Node]:
         """Return nodes over the range of the noise and of what no law says."""
@@ -846,13 +868,10 @@ class TableModel(Model):
     def _gram(self, node: Node, x: Array) -> tuple[Array, float, float]:
         """Return the Gram matrix over the squared noise, minus half log |V|, and inner squares."""
         readings, sigma = self.readings, self.sigma(node)
-        variance = self.growth(readings.rows, node) ** 2 / self.weights
-        w = readings.count / (variance + (readings.stated / sigma) ** 2)
+        w, volume = self._precisions(node)
         columns = np.column_stack([self._columns, x, readings.friction])
         weighted = columns * w[:, None]
         gram = columns.T @ weighted
-        # readings of a cell have the determinant of their noise, not of their mean's
-        volume = 0.5 * float(np.sum(readings.count * np.log(w / readings.count)))
         shared = self.shared(node) / sigma**2
         if shared > 0.0:
             sums = np.zeros((int(self.block.max()) + 1, columns.shape[1]))
@@ -875,7 +894,7 @@ class TableModel(Model):
         x = np.hstack([self._columns * self.deviations(node), laws])
         noise = (self.growth(readings.rows, node) * self.sigma(node)) ** 2
         shared = self.shared(node)
-        w = readings.count / (noise / self.weights + readings.stated**2)
+        w = self._precisions(node)[0] / self.sigma(node) ** 2
         factor = (shared / (1.0 + shared * np.bincount(self.block, w)))[self.block]
         sums = np.zeros((int(self.block.max()) + 1, x.shape[1] + 1))
         columns = np.column_stack([x, readings.friction])
