@@ -46,6 +46,7 @@ from stickslip.identify.posterior import (
 )
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import DRY, FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid, levels_at
+from stickslip.units import factor
 
 Integers = NDArray[np.intp]
 
@@ -113,6 +114,8 @@ FINE = 4
 """Parts of a gap in which a kink may be."""
 MOST_GAPS = 60
 """Gaps between speeds, loads or inputs up to which jumps are tried."""
+READ_IN = ("lbf", "kgf", "ozf", "lbf in", "lbf ft", "ozf in")
+"""Units beside those of SI in which instruments show forces and torques."""
 FEW_GAPS, OF_EACH, COARSEST = 4, 3, 0.1
 """Differences between readings that say nothing of a step, readings of each value that do, and the
 largest step of these over friction: two friction levels are no rounding."""
@@ -505,13 +508,12 @@ def structures_of(
     frame: Frame, grid: Grid, families: Sequence[Family]
 ) -> tuple[list[Structure], Array]:
     """Return the structures of families with the logarithms of their priors (s,)."""
-    result: list[Structure] = []
-    priors: list[float] = []
-    for family, shapes, prior in grid.families(families):
-        for structure, of_load in _loaded(frame, family, shapes):
-            result.append(structure)
-            priors.append(prior + math.log(of_load))
-    return result, np.array(priors)
+    every = [
+        (structure, prior + math.log(of_load))
+        for family, shapes, prior in grid.families(families)
+        for structure, of_load in _loaded(frame, family, shapes)
+    ]
+    return [structure for structure, _ in every], np.array([prior for _, prior in every])
 
 
 def _loaded(
@@ -617,9 +619,8 @@ class TableModel(Model):
         self.step = step_of(readings, frame)
         values = np.unique(readings.friction)
         self.is_equal = len(np.unique(np.abs(values))) == 1
-        self.is_flat = bool(self.step) and (
-            self.is_equal or (len(values) <= FEW_GAPS and not self.repeats)
-        )
+        few = self.is_equal or (len(values) <= FEW_GAPS and not self.repeats)
+        self.is_flat = bool(self.step) and few
         if self.is_flat:  # equal readings at neighbouring speeds have one error
             order = np.argsort(readings.rows.along, kind="stable")
             ends = np.diff(readings.friction[order], prepend=math.inf) != 0.0
@@ -637,7 +638,7 @@ class TableModel(Model):
         low, high = np.log(NOISE_RANGE)
         noise = np.exp(np.linspace(low, high, math.ceil((high - low) / step) + 1))
         flat = np.log(noise / NOISE) / NOISE_FACTOR * (not self.known)
-        lawful = np.log((1.0 - NO_DELTA) / (len(RHO) - 1))
+        lawful = (1.0 - NO_DELTA) / (len(RHO) - 1)
 
         def of(name: str, values: Sequence[float], prior: Sequence[float], used: bool) -> Scale:
             kept = slice(None) if used else slice(1)
@@ -651,11 +652,7 @@ class TableModel(Model):
             drift = 1.0 - sum(more), *more
         return (
             Scale(name="noise", values=tuple(noise), prior=tuple(np.exp(-0.5 * flat**2))),
-            Scale(
-                name="delta",
-                values=RHO,
-                prior=(NO_DELTA, *(float(np.exp(lawful)),) * (len(RHO) - 1)),
-            ),
+            Scale(name="delta", values=RHO, prior=(NO_DELTA, *(lawful,) * (len(RHO) - 1))),
             Scale(name="growth", values=(0.0, 1.0), prior=NOISES_PRIOR, ordered=False),
             of("block", BETA, BETA_PRIOR, self.repeats),
             replace(of("sides", range(len(SIDES)), SIDES_PRIOR, frame.both), ordered=False),
@@ -960,8 +957,8 @@ def step_of(readings: Readings, frame: Frame) -> float:
     """Return the step to which friction was rounded [N], if it is coarse; else 0.
 
     It is the least difference between readings, if that divides all others; of few values, each
-    of several readings, if it divides these; of equal ones, the unit of their last digit or what
-    their stated uncertainty allows: more than five digits are those of a converted unit.
+    of several readings, if it divides these; of equal ones, their `resolution` or what their stated
+    uncertainty allows.
 
     Examples
     --------
@@ -975,8 +972,7 @@ def step_of(readings: Readings, frame: Frame) -> float:
     gaps = np.diff(values)
     if len(sizes := np.unique(np.abs(values))) == 1:
         stated, size = math.sqrt(12.0) * float(np.median(readings.stated)), float(sizes[0])
-        digit = last_digit([size])
-        return min(digit if digit > 1e-5 * size else size, stated or size, COARSEST * size)
+        return min(resolution(float(sizes[0])), stated or size, COARSEST * size)
     if 0 < len(gaps) < FEW_GAPS and len(readings.friction) >= OF_EACH * len(values):
         steps = values / gaps.min()
         if gaps.min() < COARSEST * frame.size and np.allclose(steps, np.rint(steps), 0.0, 1e-6):
@@ -988,6 +984,25 @@ def step_of(readings: Readings, frame: Frame) -> float:
     steps = gaps / least
     divides = np.all(np.abs(steps - np.round(steps)) < 1e-6 * np.maximum(1.0, steps))
     return least if divides and least > 2e-3 * frame.size else 0.0
+
+
+def resolution(size: float) -> float:
+    """Return the unit of the last digit of a reading, in a unit in which it has few.
+
+    A converted reading has many digits, those of its factor, which may be rounded. So has a
+    calculated one, which is known to them; of digits without an end nothing is known.
+
+    Examples
+    --------
+    >>> resolution(2.50155), round(resolution(3.1 * 4.448), 3), resolution(10.0 / 3.0)
+    (1e-05, 0.445, 3.3333333333333335)
+    """
+    digit = last_digit([size])
+    few = {one: float(f"{size / one:.3g}") for one in (factor(unit, None) for unit in READ_IN)}
+    near = [one * last_digit([x]) for one, x in few.items() if abs(x * one - size) < 1e-4 * size]
+    if digit > 1e-5 * size:
+        return digit
+    return max(near or [digit if digit > 1e-9 * size else size])
 
 
 def order_of(readings: Readings) -> tuple[str, bool]:
@@ -1106,8 +1121,7 @@ def fitted(
             structures, priors = _with_breaks(structures, priors[kept], readings.rows, frame)
         again = _finer_still(posterior, priors, grid, frame, part) if turn else (structures, priors)
         begin, before = [posterior.best], weights
-        best = posterior.nodes.index(posterior.best)
-        structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
+        structure = posterior.law_at(posterior.best)
         far = model.left_out(posterior.best, structure)
         bound = SUSPECT[0] + SUSPECT[1] / max(len(far) - 3, 1)
         freedom = THRESHOLDS.freedom
