@@ -994,8 +994,8 @@ def resolution(size: float) -> float:
 
     Examples
     --------
-    >>> resolution(2.50155), round(resolution(3.1 * 4.448), 3), resolution(10.0 / 3.0)
-    (1e-05, 0.445, 3.3333333333333335)
+    >>> resolution(2.50155), round(resolution(3.1 * 4.448), 3), resolution(7.0 / 3.0)
+    (1e-05, 0.445, 2.3333333333333335)
     """
     digit = last_digit([size])
     few = {one: float(f"{size / one:.3g}") for one in (factor(unit, None) for unit in READ_IN)}
