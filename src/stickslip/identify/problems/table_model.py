@@ -46,6 +46,7 @@ from stickslip.identify.posterior import (
 )
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import DRY, FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid, levels_at
+from stickslip.units import factor
 
 Integers = NDArray[np.intp]
 
@@ -113,6 +114,8 @@ FINE = 4
 """Parts of a gap in which a kink may be."""
 MOST_GAPS = 60
 """Gaps between speeds, loads or inputs up to which jumps are tried."""
+READ_IN = ("lbf", "kgf", "ozf", "lbf in", "lbf ft", "ozf in")
+"""Units beside those of SI in which instruments show forces and torques."""
 FEW_GAPS, OF_EACH, COARSEST = 4, 3, 0.1
 """Differences between readings that say nothing of a step, readings of each value that do, and the
 largest step of these over friction: two friction levels are no rounding."""
@@ -505,13 +508,12 @@ def structures_of(
     frame: Frame, grid: Grid, families: Sequence[Family]
 ) -> tuple[list[Structure], Array]:
     """Return the structures of families with the logarithms of their priors (s,)."""
-    result: list[Structure] = []
-    priors: list[float] = []
-    for family, shapes, prior in grid.families(families):
-        for structure, of_load in _loaded(frame, family, shapes):
-            result.append(structure)
-            priors.append(prior + math.log(of_load))
-    return result, np.array(priors)
+    every = [
+        (structure, prior + math.log(of_load))
+        for family, shapes, prior in grid.families(families)
+        for structure, of_load in _loaded(frame, family, shapes)
+    ]
+    return [structure for structure, _ in every], np.array([prior for _, prior in every])
 
 
 def _loaded(
@@ -615,13 +617,14 @@ class TableModel(Model):
         self.weights, self.reference = weights, reference
         self.block, self.repeats = blocks_of(readings)
         self.step = step_of(readings, frame)
-        values, of_value = np.unique(readings.friction, return_inverse=True)
+        values = np.unique(readings.friction)
         self.is_equal = len(np.unique(np.abs(values))) == 1
-        self.is_flat = bool(self.step) and (
-            self.is_equal or (len(values) <= FEW_GAPS and not self.repeats)
-        )
-        if self.is_flat:  # equal readings have one error
-            self.block, self.repeats = of_value.ravel(), False
+        few = self.is_equal or (len(values) <= FEW_GAPS and not self.repeats)
+        self.is_flat = bool(self.step) and few
+        if self.is_flat:  # equal readings at neighbouring speeds have one error
+            order = np.argsort(readings.rows.along, kind="stable")
+            ends = np.diff(readings.friction[order], prepend=math.inf) != 0.0
+            self.block[order], self.repeats = np.cumsum(ends) - 1, False
         self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
         self.ordered_by, self.is_sorted = order_of(readings)
         self.scales = self._scales()
@@ -635,7 +638,7 @@ class TableModel(Model):
         low, high = np.log(NOISE_RANGE)
         noise = np.exp(np.linspace(low, high, math.ceil((high - low) / step) + 1))
         flat = np.log(noise / NOISE) / NOISE_FACTOR * (not self.known)
-        lawful = np.log((1.0 - NO_DELTA) / (len(RHO) - 1))
+        lawful = (1.0 - NO_DELTA) / (len(RHO) - 1)
 
         def of(name: str, values: Sequence[float], prior: Sequence[float], used: bool) -> Scale:
             kept = slice(None) if used else slice(1)
@@ -649,11 +652,7 @@ class TableModel(Model):
             drift = 1.0 - sum(more), *more
         return (
             Scale(name="noise", values=tuple(noise), prior=tuple(np.exp(-0.5 * flat**2))),
-            Scale(
-                name="delta",
-                values=RHO,
-                prior=(NO_DELTA, *(float(np.exp(lawful)),) * (len(RHO) - 1)),
-            ),
+            Scale(name="delta", values=RHO, prior=(NO_DELTA, *(lawful,) * (len(RHO) - 1))),
             Scale(name="growth", values=(0.0, 1.0), prior=NOISES_PRIOR, ordered=False),
             of("block", BETA, BETA_PRIOR, self.repeats),
             replace(of("sides", range(len(SIDES)), SIDES_PRIOR, frame.both), ordered=False),
@@ -707,11 +706,31 @@ class TableModel(Model):
         Noise makes errors of rounding at one friction differ: what is the same fades with it
         (B. Widrow, I. Kollar, Quantization Noise, 2008).
         """
-        result = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2
-        if not self.is_flat:
-            return result + self.step**2 / 12.0
-        fading = math.exp(-((math.tau * self.sigma(node) / self.step) ** 2))
-        return result + self.step**2 / 12.0 * fading
+        repeated = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2
+        return repeated + self._alike(node) * self.step**2 / 12.0
+
+    def _alike(self, node: Node) -> float:
+        """Return the share of the variance of rounding that is the same for readings of a block."""
+        return math.exp(-((math.tau * self.sigma(node) / self.step) ** 2)) if self.is_flat else 1.0
+
+    def _precisions(self, node: Node) -> tuple[Array, float]:
+        """Return precisions of readings (n,) at a node, over the squared noise, and half their log.
+
+        Of readings that rounding makes equal no scatter says how small the noise is.
+        """
+        readings, alike = self.readings, self._alike(node)
+        known = readings.stated**2 + (1.0 - alike) * self.step**2 / 12.0
+        variance = self.growth(readings.rows, node) ** 2 / self.weights
+        w = readings.count / (variance + known / self.sigma(node) ** 2)
+        # readings of a cell have the determinant of their noise, not of their mean's
+        volume = readings.count * np.log(w / readings.count)
+        if self.is_flat:
+            free = 1.0 - 1.0 / np.bincount(self.block)[self.block]
+            # so that to 2 % theirs is the probability to be equal, about the middle of a step
+            more = alike / 12.0 + (1.0 / math.tau - 1.0 / 12.0) * alike**0.25
+            more *= (self.step / self.sigma(node)) ** 2
+            volume = volume - free * np.log1p(more * w / readings.count)
+        return w, 0.5 * float(np.sum(volume))
 
     def begin(self) -> list[Node]:
         """Return nodes over the range of the noise and of what no law says."""
@@ -846,13 +865,10 @@ class TableModel(Model):
     def _gram(self, node: Node, x: Array) -> tuple[Array, float, float]:
         """Return the Gram matrix over the squared noise, minus half log |V|, and inner squares."""
         readings, sigma = self.readings, self.sigma(node)
-        variance = self.growth(readings.rows, node) ** 2 / self.weights
-        w = readings.count / (variance + (readings.stated / sigma) ** 2)
+        w, volume = self._precisions(node)
         columns = np.column_stack([self._columns, x, readings.friction])
         weighted = columns * w[:, None]
         gram = columns.T @ weighted
-        # readings of a cell have the determinant of their noise, not of their mean's
-        volume = 0.5 * float(np.sum(readings.count * np.log(w / readings.count)))
         shared = self.shared(node) / sigma**2
         if shared > 0.0:
             sums = np.zeros((int(self.block.max()) + 1, columns.shape[1]))
@@ -875,7 +891,7 @@ class TableModel(Model):
         x = np.hstack([self._columns * self.deviations(node), laws])
         noise = (self.growth(readings.rows, node) * self.sigma(node)) ** 2
         shared = self.shared(node)
-        w = readings.count / (noise / self.weights + readings.stated**2)
+        w = self._precisions(node)[0] / self.sigma(node) ** 2
         factor = (shared / (1.0 + shared * np.bincount(self.block, w)))[self.block]
         sums = np.zeros((int(self.block.max()) + 1, x.shape[1] + 1))
         columns = np.column_stack([x, readings.friction])
@@ -941,8 +957,8 @@ def step_of(readings: Readings, frame: Frame) -> float:
     """Return the step to which friction was rounded [N], if it is coarse; else 0.
 
     It is the least difference between readings, if that divides all others; of few values, each
-    of several readings, if it divides these; of equal ones, the unit of their last digit or what
-    their stated uncertainty allows: more than five digits are those of a converted unit.
+    of several readings, if it divides these; of equal ones, their `resolution` or what their stated
+    uncertainty allows.
 
     Examples
     --------
@@ -956,8 +972,7 @@ def step_of(readings: Readings, frame: Frame) -> float:
     gaps = np.diff(values)
     if len(sizes := np.unique(np.abs(values))) == 1:
         stated, size = math.sqrt(12.0) * float(np.median(readings.stated)), float(sizes[0])
-        digit = last_digit([size])
-        return min(digit if digit > 1e-5 * size else size, stated or size, COARSEST * size)
+        return min(resolution(float(sizes[0])), stated or size, COARSEST * size)
     if 0 < len(gaps) < FEW_GAPS and len(readings.friction) >= OF_EACH * len(values):
         steps = values / gaps.min()
         if gaps.min() < COARSEST * frame.size and np.allclose(steps, np.rint(steps), 0.0, 1e-6):
@@ -969,6 +984,25 @@ def step_of(readings: Readings, frame: Frame) -> float:
     steps = gaps / least
     divides = np.all(np.abs(steps - np.round(steps)) < 1e-6 * np.maximum(1.0, steps))
     return least if divides and least > 2e-3 * frame.size else 0.0
+
+
+def resolution(size: float) -> float:
+    """Return the unit of the last digit of a reading, in a unit in which it has few.
+
+    A converted reading has many digits, those of its factor, which may be rounded. So has a
+    calculated one, which is known to them; of digits without an end nothing is known.
+
+    Examples
+    --------
+    >>> resolution(2.50155), round(resolution(3.1 * 4.448), 3), resolution(7.0 / 3.0)
+    (1e-05, 0.445, 2.3333333333333335)
+    """
+    digit = last_digit([size])
+    few = {one: float(f"{size / one:.3g}") for one in (factor(unit, None) for unit in READ_IN)}
+    near = [one * last_digit([x]) for one, x in few.items() if abs(x * one - size) < 1e-4 * size]
+    if digit > 1e-5 * size:
+        return digit
+    return max(near or [digit if digit > 1e-9 * size else size])
 
 
 def order_of(readings: Readings) -> tuple[str, bool]:
@@ -1087,8 +1121,7 @@ def fitted(
             structures, priors = _with_breaks(structures, priors[kept], readings.rows, frame)
         again = _finer_still(posterior, priors, grid, frame, part) if turn else (structures, priors)
         begin, before = [posterior.best], weights
-        best = posterior.nodes.index(posterior.best)
-        structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
+        structure = posterior.law_at(posterior.best)
         far = model.left_out(posterior.best, structure)
         bound = SUSPECT[0] + SUSPECT[1] / max(len(far) - 3, 1)
         freedom = THRESHOLDS.freedom

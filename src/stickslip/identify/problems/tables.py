@@ -3,6 +3,7 @@
 import copy
 import itertools
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -574,33 +575,23 @@ class TableProblem(Problem):
         return tuple(sorted(names))
 
     @cached_property
-    def _families(self) -> "NDArray[np.object_]":
+    def _families(self) -> list[list[Family]]:
         """Families of nodes and structures (k, s)."""
-        marks = [(node[4], *node[len(SCALES) :]) for node in self.posterior.nodes]
-        rows: dict[tuple[int, ...], list[Family]] = {}
-        result = np.empty(self.posterior.weights.shape, dtype=object)
-        for k, (node, mark) in enumerate(zip(self.posterior.nodes, marks, strict=True)):
-            if mark not in rows:
-                rows[mark] = [
-                    self._family(structure, node) for structure in self.posterior.structures
-                ]
-            for s, family in enumerate(rows[mark]):
-                result[k, s] = family
+        of, result = dict[tuple[int, ...], list[Family]](), list[list[Family]]()
+        for node in self.posterior.nodes:
+            if (mark := (node[4], *node[len(SCALES) :])) not in of:
+                of[mark] = [self._family(item, node) for item in self.posterior.structures]
+            result.append(of[mark])
         return result
 
     def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
         """Return the probability of each family, and that with little that no law says."""
-        every: dict[Family, float] = {}
-        adequate: dict[Family, float] = {}
-        for k, node in enumerate(self.posterior.nodes):
-            small = self.model.unexplained(node) <= tolerance * self.size
-            for family, p in zip(
-                self._families[k], self.posterior.weights[k].tolist(), strict=True
-            ):
-                if p > 1e-7:
-                    every[family] = every.get(family, 0.0) + p
-                    if small:
-                        adequate[family] = adequate.get(family, 0.0) + p
+        every, adequate = defaultdict[Family, float](float), defaultdict[Family, float](float)
+        weights, nodes = self.posterior.weights, self.posterior.nodes
+        small = [self.model.unexplained(node) <= tolerance * self.size for node in nodes]
+        for k, s in np.argwhere(weights > 1e-7).tolist():
+            every[self._families[k][s]] += float(weights[k, s])
+            adequate[self._families[k][s]] += float(weights[k, s]) * small[k]
         return every, adequate
 
     def holds(self, family: Family) -> "NDArray[np.bool_]":
@@ -672,8 +663,7 @@ class TableProblem(Problem):
             effects = random[group == "run"].reshape(2, self.model.frame.runs, count)
             which = rng.integers(self.model.frame.runs, size=count)
             # one of the runs that were measured, or another one: draws have a deviation each
-            sizes = [self.model.run_deviations(x.node) for x in draws]
-            each = np.repeat(sizes, [x.random.shape[1] for x in draws], axis=0).T
+            each = of_each(draws, lambda x: self.model.run_deviations(x.node)).T
             other = each * rng.normal(size=(2, count))
             is_new = new or np.all(rows.run == -2)
             effect = other if is_new else effects[:, which, np.arange(count)]
@@ -805,8 +795,7 @@ class TableProblem(Problem):
                 result.append(
                     f"An effect of the {name} can be distinguished from differences between the"
                     f" {frame.runs} runs only if these are small: it hardly changes within a run."
-                    f" Change"
-                    f" the {name} within a run, or repeat a run at the same {name}."
+                    f" Change the {name} within a run, or repeat a run at the same {name}."
                 )
         return result
 
@@ -865,9 +854,7 @@ class TableProblem(Problem):
                     ends += [gap] * len(added)
         low, high = np.quantile(np.array(ends), (0.025, 0.975), axis=0)
         change = np.concatenate(sizes)
-        unit = (
-            "N" if over == "load" else CONTACT_INPUTS[over].unit if over in CONTACT_INPUTS else ""
-        )
+        unit = CONTACT_INPUTS[over].unit if over in CONTACT_INPUTS else "N" * (over == "load")
         sign, more = (-1.0, "less") if np.median(change) < 0.0 else (1.0, "more")
         middle, *span = map(percent, np.quantile(sign * change, (0.5, 0.025, 0.975)).tolist())
         sentence = (
@@ -971,9 +958,10 @@ def censored(
     return problem.fit
 
 
-def of_each(draws: Sequence[Draws], value: Callable[[Draws], float]) -> Array:
-    """Return a value of the node of each draw (k,)."""
-    return np.repeat([value(draw) for draw in draws], [draw.random.shape[1] for draw in draws])
+def of_each(draws: Sequence[Draws], value: Callable[[Draws], Array | float]) -> Array:
+    """Return a value of the node of each draw (k,), or several (k, m)."""
+    numbers = [draw.random.shape[1] for draw in draws]
+    return np.repeat([value(draw) for draw in draws], numbers, axis=0)
 
 
 def known_terms(table: Readings) -> list[str]:
