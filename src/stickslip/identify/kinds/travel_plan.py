@@ -440,10 +440,10 @@ class _Bench:
         sizes = {name: len(required_of(type(law))) for name, law in self.typical.items()}
         result = dict[tuple[str, str], int | None]()
         for one, other in combinations(sorted(sizes, key=sizes.__getitem__), 2):
-            ways = [(other, one), *([(one, other)] if sizes[one] == sizes[other] else [])]
-            pair = min(ways, key=lambda way: self.gained(*way, MOST))
+            ways = [(other, one), (one, other)][: 1 + (sizes[one] == sizes[other])]
+            pair = min(ways, key=lambda way: self.gained(*way, repeats=MOST))
             few = (
-                n for n in range(LEAST, MOST + 1) if self.gained(*pair, n) >= SURE * math.log(RIVAL)
+                n for n in range(LEAST, MOST + 1) if self.gained(*pair, repeats=n) >= SURE * math.log(RIVAL)
             )
             result[pair] = next(few, None)
         return dict(sorted(result.items(), key=lambda item: item[1] or math.inf))
