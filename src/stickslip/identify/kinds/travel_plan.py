@@ -441,9 +441,9 @@ class _Bench:
         result = dict[tuple[str, str], int | None]()
         for one, other in combinations(sorted(sizes, key=sizes.__getitem__), 2):
             ways = [(other, one), (one, other)][: 1 + (sizes[one] == sizes[other])]
-            pair = min(ways, key=lambda way: self.gained(*way, repeats=MOST))
+            pair = min(ways, key=lambda way: self.gained(way[0], way[1], MOST))
             needed = SURE * math.log(RIVAL)
-            few = (n for n in range(LEAST, MOST + 1) if self.gained(*pair, repeats=n) >= needed)
+            few = (n for n in range(LEAST, MOST + 1) if self.gained(*pair, n) >= needed)
             result[pair] = next(few, None)
         return dict(sorted(result.items(), key=lambda item: item[1] or math.inf))
 
