@@ -155,69 +155,6 @@ class Preparation(metaclass=Described):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Telling(metaclass=Described):
-    """What it takes to rule out one law where another one holds."""
-
-    holds: str
-    """Key of the law that is taken to hold."""
-    rival: str
-    """Key of the law that is to be ruled out, with its parameters fitted to the same travels."""
-    gap: float
-    """Largest difference of their travels that the fit leaves [m]."""
-    setting: Separation
-    """Where that is."""
-    repeats: int | None
-    """Runs at each setting that rule it out in nine of ten such sets; None if more than `most`."""
-    most: int
-    """Runs at each setting beyond which none are asked for."""
-    alike: bool = False
-    """Whether the rival, fitted, makes the same travels to the accuracy of a run."""
-
-    @property
-    def obstacle(self) -> str:
-        """Why these runs do not rule it out, in words; nothing if they do."""
-        if self.repeats is not None:
-            return ""
-        if self.alike:
-            return "Not distinguishable by travels: both laws predict the same"
-        return f"Not distinguished by {self.most} runs at each setting"
-
-    def to_dict(self) -> Mapping[str, Any]:
-        """Return it as plain numbers and strings."""
-        return {
-            "holds": self.holds,
-            "ruled_out": self.rival,
-            "largest_difference": self.gap,
-            "at": {self.setting.path: self.setting.value},
-            "repeats": self.repeats,
-            "same_travels": self.alike,
-        }
-
-
-@dataclass(frozen=True, kw_only=True)
-class Expectation(metaclass=Described):
-    """The interval of a parameter that the planned runs will give, if its law holds."""
-
-    law: str
-    """Key of the law."""
-    estimate: Estimate
-    """The value that was assumed, and its interval."""
-    identified: bool
-    """Whether the interval ends above the least value that the law allows."""
-    advice: str = ""
-    """What would tell it, where these travels do not."""
-
-    def to_dict(self) -> Mapping[str, Any]:
-        """Return it as plain numbers and strings."""
-        return {
-            "law": self.law,
-            **self.estimate.to_dict(),
-            "identified": self.identified,
-            "advice": self.advice.replace("$", ""),
-        }
-
-
-@dataclass(frozen=True, kw_only=True)
 class Plan(Tabular):
     """Which travels to measure, how often and how well, and what they will tell."""
 
@@ -239,10 +176,13 @@ class Plan(Tabular):
     """What to measure before."""
     rest: Mapping[str, str]
     """How to measure the level at rest, which travels do not tell, by what it is done with."""
-    tellings: tuple[Telling, ...]
-    """Which laws can be told apart, the easiest first."""
-    expectations: tuple[Expectation, ...]
-    """What the runs will tell of each law's parameters."""
+    tellings: Mapping[tuple[str, str], int | None]
+    """By the law that is taken to hold and the one to be ruled out, the runs at each setting that
+    rule it out in nine of ten such sets, the easiest first; None if more than `most`."""
+    most: int
+    """Runs at each setting beyond which none are asked for."""
+    expectations: Mapping[str, tuple[Estimate, ...]]
+    """By law, its parameters with the intervals that the runs will give if it holds."""
     range_source: str = ""
     """Where the range of the settings is from and how to change it; nothing if it was given."""
     repeated: int = 0
@@ -267,7 +207,7 @@ class Plan(Tabular):
             f" travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
         ).replace(" °", "°")
         if self.tellings:
-            known = sum(telling.repeats is not None for telling in self.tellings)
+            known = sum(many is not None for many in self.tellings.values())
             said += f" They distinguish {known} of {count(len(self.tellings), 'pair')} of laws."
         return said
 
@@ -333,8 +273,15 @@ class Plan(Tabular):
             "measure_otherwise": {
                 head.replace("$", ""): text.replace("$", "") for head, text in self.rest.items()
             },
-            "tells_apart": [telling.to_dict() for telling in self.tellings],
-            "expected": [expectation.to_dict() for expectation in self.expectations],
+            "tells_apart": [
+                {"holds": holds, "ruled_out": rival, "repeats": many}
+                for (holds, rival), many in self.tellings.items()
+            ],
+            "expected": [
+                {"law": name, **one.to_dict()}
+                for name, own in self.expectations.items()
+                for one in own
+            ],
             "remarks": [line.replace("$", "") for line in self.remarks],
             "sheet": self.csv(),
         }
@@ -510,64 +457,45 @@ def values_text(law: FrictionLaw) -> str:
 
 
 def _apart(plan: Plan) -> Section:
-    """Return which laws the runs tell apart, and below it which they do not, and why."""
+    """Return which laws the runs tell apart, and below it which they do not."""
     titles = {name: law.title for name, law in plan.laws.items()}
-    unit, factor = unit_of(plan.settings[0].unit)
-    rows = [
-        Row(
-            cells=(
-                titles[telling.holds],
-                titles[telling.rival],
-                number(1e3 * telling.gap, 2),
-                number(factor * telling.setting.value),
-                f"{telling.repeats}",
-            )
-        )
-        for telling in plan.tellings
-        if telling.repeats is not None
-    ]
-    open_: dict[str, dict[str, list[str]]] = {}
-    for item in plan.tellings:
-        if item.repeats is None:
-            pairs = open_.setdefault(item.obstacle, {})
-            pairs.setdefault(titles[item.holds], []).append(titles[item.rival])
-    lines = {
-        said: f"{'; '.join(f'{law} from {joined(rivals)}' for law, rivals in pairs.items())}."
-        for said, pairs in open_.items()
-    }
+    rows, open_ = [], dict[str, list[str]]()
+    for (holds, rival), many in plan.tellings.items():
+        if many is None:
+            open_.setdefault(titles[holds], []).append(titles[rival])
+        else:
+            rows.append(Row(cells=(titles[holds], titles[rival], f"{many}")))
+    said = f"Not distinguished by {plan.most} runs at each setting"
+    pairs = "; ".join(f"{law} from {joined(rivals)}" for law, rivals in open_.items())
     caption = (
-        "Gap: the largest difference that remains when the law to be ruled out is fitted to the"
-        " travels of the other law, and the setting at which it occurs. Runs each: the runs per"
-        " setting with which `stickslip select` rules that law out in nine of ten experiments."
+        "Runs each: the runs per setting with which `stickslip select` is expected to rule that law"
+        " out in nine of ten experiments."
     )
-    heads = (
-        "if this law is true", "this law is ruled out", "gap [mm]", f"at [{unit}]", "runs each",
-    )  # fmt: skip
+    heads = ("if this law is true", "this law is ruled out", "runs each")
     tables = [_table(heads, rows, caption)] if rows else []
-    pairs_ = count(len(plan.tellings), "pair")
     return Section(
         id="apart", nav="Which laws",
-        heading=f"The runs distinguish {len(rows)} of {pairs_} of laws",
-        blocks=(*tables, *_lines(lines)),
+        heading=f"The runs distinguish {len(rows)} of {count(len(plan.tellings), 'pair')} of laws",
+        blocks=(*tables, *_lines({said: f"{pairs}."} if pairs else {})),
     )  # fmt: skip
 
 
 def _values(plan: Plan) -> Section:
     """Return what the runs will tell of each parameter, and below it what tells the others."""
     rows, advice = [], dict[str, str]()
-    for expectation in plan.expectations:
-        asked = expectation.estimate.quantity
+    for name, estimate in ((name, one) for name, own in plan.expectations.items() for one in own):
+        asked, known = estimate.quantity, estimate.bounded
         unit = "" if asked.unit == "1" else f" [{asked.unit}]"
-        interval = expectation.estimate.range if expectation.identified else "not identified"
-        value = significant(expectation.estimate.value, 3)
-        cells = (plan.laws[expectation.law].title, f"${asked.symbol}${unit}", value, interval)
-        rows.append(Row(cells=cells, muted=not expectation.identified))
-        if expectation.advice:
-            advice.setdefault(f"To identify ${asked.symbol}$", expectation.advice)
+        cells = (plan.laws[name].title, f"${asked.symbol}${unit}", significant(estimate.value, 3),
+                 estimate.range if known else "not identified")  # fmt: skip
+        rows.append(Row(cells=cells, muted=not known))
+        if estimate.reason:
+            advice.setdefault(f"To identify ${asked.symbol}$", capital(estimate.reason))
     caption = (
-        "The interval that `stickslip select` will state if the law is true with this value and the"
-        " rig has the stated (otherwise the needed) uncertainties. Not identified: the travels"
-        " hardly depend on it, or the interval reaches the lowest value that the law allows."
+        "The interval that `stickslip select` is expected to state if the law is true with this"
+        " value and the rig has the stated (otherwise the needed) uncertainties. Not identified:"
+        " the travels hardly depend on it, or the interval reaches the lowest value that the law"
+        " allows."
     )
     heads = ("law", "parameter", "true value", "expected 95 % interval")
     tables = [_table(heads, rows, caption)] if rows else []

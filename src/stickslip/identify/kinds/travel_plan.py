@@ -1,23 +1,26 @@
-"""The verb `plan`: which travels to measure for a law, how often and how well.
+r"""The verb `plan`: which travels to measure for a law, how often and how well.
 
 1. *Now*: the judge of `select` takes the travels that were measured, or one that the first law
    makes as the rig stands, and draws laws; the quantiles of their travels over the settings are the
    band over all candidate laws.
-2. *Law by law*: the judge takes the travels that this law makes at the settings, with the errors to
-   be expected. A law that then leaves the set is excluded; intervals and the band are those that
-   the runs will give.
+2. *Law by law*, as readings are advised (`stickslip.identify.propose`): draws of a law, its level
+   and the rig have a covariance :math:`K` of parameters and travels at the settings. `n` readings
+   of each with errors :math:`S` leave :math:`K - K_t (K_{tt} + S/n)^{-1} K_t^T`: intervals and
+   the band that the runs will give. Of typical travels of another law, :math:`d` off, it leaves
+   :math:`S/n (K_{tt} + S/n)^{-1} d`: their scores and the volumes :math:`|K_{tt} + S/n|` of both
+   are the evidence by which it is ruled out.
 3. *The rig*: a parameter moves travels, and with them the level, in proportion to its uncertainty.
 """
 
 import math
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import permutations
-from typing import Any, TypeAlias
+from itertools import combinations
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from stickslip.data import Measurement
 from stickslip.engine.simulation import simulate
@@ -32,6 +35,7 @@ from stickslip.identify import (
     knob_of,
     propagated,
 )
+from stickslip.identify.bands import Array
 from stickslip.identify.candidates import plain
 from stickslip.identify.fits import (
     LEAST_ERROR,
@@ -49,16 +53,14 @@ from stickslip.identify.fits import (
     trials_of,
     uncertainties_of,
 )
+from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.plan_sheet import (
-    Expectation,
     Plan,
     Preparation,
     Separation,
-    Telling,
     setting_text,
     values_text,
 )
-from stickslip.identify.kinds.simulated import estimated
 from stickslip.identify.kinds.travels import (
     ALONE,
     JudgedTravels,
@@ -68,7 +70,9 @@ from stickslip.identify.kinds.travels import (
     unit_of,
     words_of,
 )
-from stickslip.identify.problems.travel_laws import room_for
+from stickslip.identify.problems.travel_laws import STEPS, room_for
+from stickslip.identify.problems.travels import OFFSET, block_scores
+from stickslip.identify.propose import within_band
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, all_paths, parameters, vary
 from stickslip.show.formatting import joined, number, percent, quantity
@@ -165,8 +169,6 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
     return result
 
 
-Array: TypeAlias = NDArray[np.float64]
-
 USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
 """Laws that travels of a block may tell apart."""
 COUNT = Quantity("settings", low=2, high=12)
@@ -183,9 +185,9 @@ LEAST = THRESHOLDS.fewest
 """Runs at each setting: fewer do not show their scatter ..."""
 MOST = 10
 """... and more are not asked for."""
-SURE = 23.0
-"""Evidence of readings without errors with which a law leaves the set in nine of ten sets with
-errors, which leave a third to a half of it (of 30 sets each, 24 at 19, 26 at 21 and 29 at 25)."""
+SURE = 3.0
+"""Evidence of readings without errors over that which excludes a law, with which it is excluded in
+nine of ten sets with errors: these leave a third to a half of it (it was in 42 of 42 sets)."""
 HALF = 0.5
 """Part of a parameter of the rig in the level's uncertainty, over that of the readings: three as
 large widen the interval by a third."""
@@ -306,19 +308,14 @@ def plan(
     travels = {name: _travels(law, now.at(places), t_end) for name, law in kept.items()}
     size = _checked(error, float(np.max(np.abs(travels[named]))))
     bench = _Bench(
-        now=now, laws={name: chosen[name] for name in kept}, ordinary=ordinary, typical=kept,
-        named=named, places=places, travels=travels, error=size,
-        stated=_stated(mechanism, measurement, parameter_uncertainties),
+        now=now, typical=kept, named=named, places=places, travels=travels, error=size,
+        stated=_stated(mechanism, measurement, parameter_uncertainties), has_level=bool(done),
     )  # fmt: skip
-    few = {name: bench.judged(name, LEAST) for name in kept}
-    pairs, repeats = _pairs(bench, few)
-    after = few
-    if repeats > LEAST:
-        after = {name: bench.judged(name, repeats) for name in kept}
+    tellings = bench.tellings()
+    repeats = max(LEAST, *(many or 0 for many in tellings.values()), 0)
     band = band_of(now.travels(places))
-    # the widest that any law leaves
-    ends_after = [band_of(item.travels(places)) for item in after.values()]
-    expected = 0.5 * np.max([item.high - item.low for item in ends_after], axis=0)
+    expectations = {name: bench.estimates(name, repeats) for name in kept}
+    expected = np.max([bench.half_widths(name, repeats) for name in kept], axis=0)
     rows = tuple(
         Separation(
             path=knob,
@@ -335,10 +332,9 @@ def plan(
     return Plan(
         mechanism=mechanism, laws=kept, reference=named, settings=rows, repeats=repeats,
         uncertainty=size, assumed=error is None, repeated=repeated, range_source=source,
-        preparations=bench.preparations(repeats, expected_estimates(after[named], named)[0]),
-        rest=otherwise(mechanism, kept[named], bench.share(repeats)),
-        tellings=tuple(_telling(few, rows, travels, *pair) for pair in pairs),
-        expectations=tuple(_expected(after, kept)), from_trials=bool(done),
+        preparations=bench.preparations(repeats, expectations[named][0]),
+        rest=otherwise(mechanism, kept[named], bench.share(repeats)), tellings=tellings, most=MOST,
+        expectations=expectations, from_trials=bool(done),
         remarks=(*remarks, *idle, *still),
     )  # fmt: skip
 
@@ -348,10 +344,6 @@ class _Bench:
     """The rig at the planned settings, and how well it and its readings are known."""
 
     now: TravelJudgement
-    laws: Mapping[str, FrictionLaw]
-    """Laws as they were given."""
-    ordinary: Collection[str]
-    """Names of those whose values nobody gave."""
     typical: Mapping[str, FrictionLaw]
     """Laws with values that are plausible now."""
     named: str
@@ -363,23 +355,112 @@ class _Bench:
     error: float
     """Standard uncertainty of a reading [m]."""
     stated: Mapping[str, float]
+    has_level: bool
+    """Whether travels were measured, and not taken as the first law makes them."""
 
-    def trials(self, name: str, repeats: int, doubts: Mapping[str, float]) -> tuple[Trial, ...]:
-        """Return the planned trials as they are if a law holds."""
-        path, shared = self._knob, dict(doubts)
-        by_hand = {path: shared.pop(path)} if path in shared else {}
-        result = []
-        for item, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
-            made = _trial(item.mechanism, float(travel), self.error, doubts=by_hand, shared=shared)
-            result += [made] * repeats
+    def _moved(self, law: FrictionLaw, doubts: Mapping[str, float]) -> tuple[Any, Any]:
+        """Return what uncertainties make of the travels of a law, by path: own, and shared."""
+        shared = dict(doubts)
+        by_hand = {self._knob: shared.pop(self._knob)} if self._knob in shared else {}
+        trials = [replace(x, doubts=by_hand, shared=shared) for x in self.now.at(self.places)]
+        return propagated(TravelModel(law, (), self.now.t_end), trials)
+
+    def _slope(self, name: str) -> tuple[float, Array]:
+        """Return the level of a typical law, and the slope of its travels (m,) over it."""
+        law, path = self.typical[name], self.now.law_of(name).model.free[0]
+        level = {p: value for p, _, value in parameters(law, "friction")}[path]
+        model = TravelModel(law, [path], self.now.t_end)
+        low, high = (model.travels(self.now.at(self.places), [(1.0 + step) * level])
+                     for step in (-MOVED, MOVED))  # fmt: skip
+        return level, (high - low) / (2.0 * MOVED)
+
+    def _covariance(self, name: str) -> tuple[Array, Array]:
+        """Return the covariance (p + m, p + m) of parameters and travels of a law, and S (m,)."""
+        law, drawn = self.now.law_of(name), self.now.draws_of(name).unknowns
+        values = law.values(drawn)
+        rows = np.hstack([values, law.table(self.now.at(self.places), drawn)])
+        rows = within_band(rows[np.isfinite(rows).all(axis=1)])
+        count, m = values.shape[1], len(self.places)
+        doubts = {**self.needed(LEAST), **self.stated}
+        alone, shared = self._moved(self.typical[name], doubts)
+        moved = [np.r_[np.zeros(count), x] for x in shared.values()]
+        if not self.has_level:  # the first travel was taken, and not measured
+            level, slope = self._slope(name)
+            moved.append(np.r_[level, np.zeros(count - 1), slope])
+        columns = np.reshape(moved, (-1, count + m))
+        errors = self.error**2 + sum((x**2 for x in alone.values()), np.zeros(m))
+        return np.asarray(np.cov(rows.T) + columns.T @ columns), np.asarray(errors)
+
+    @cached_property
+    def _known(self) -> dict[str, tuple[Array, Array]]:
+        return {name: self._covariance(name) for name in self.typical}
+
+    def _noise(self, scatter: Array) -> Array:
+        """Return the covariance (m, m) of readings with variances (m,), which share an offset."""
+        return np.diag(scatter) + (OFFSET * self.error) ** 2
+
+    def left(self, name: str, repeats: int) -> Array:
+        """Return the covariance (p + m, p + m) that so many runs of each setting leave of a law."""
+        covariance, errors = self._known[name]
+        read = covariance[-len(errors) :]
+        own = read[:, -len(errors) :] + self._noise(errors / repeats)
+        return np.asarray(covariance - read.T @ np.linalg.solve(own, read))
+
+    def half_widths(self, name: str, repeats: int) -> Array:
+        """Return half the width of the band (m,) [m] that the runs leave if a law holds."""
+        own = np.diag(self.left(name, repeats))[-len(self.places) :]
+        return np.asarray(ndtri(JudgedTravels.ends[1]) * np.sqrt(np.maximum(own, 0.0)))
+
+    def estimates(self, name: str, repeats: int) -> tuple[Estimate, ...]:
+        """Return the intervals of parameters to expect if a law holds, or why there is none."""
+        law, free = self.typical[name], self.now.law_of(name).model.free
+        halves = ndtri(JudgedTravels.ends[1]) * np.sqrt(
+            np.maximum(np.diag(self.left(name, repeats)), 0.0)
+        )
+        known, result = dict(zip(free, halves.tolist(), strict=False)), []
+        for path, asked, value in parameters(law, "friction"):
+            last, half = path.rpartition(".")[2], known.get(path, math.inf)
+            if path not in free and last not in ADVICE:
+                continue
+            # off its limit, as `select` asks it to be
+            settled = value - half > room_for(law, last, ())[0]
+            half, reason = (half, "") if settled else (math.inf, ADVICE.get(last, INSENSITIVE))
+            result.append(
+                Estimate(path=path, quantity=asked, value=value, low=value - half,
+                         high=value + half, interval="95 %", reason=reason)
+            )  # fmt: skip
         return tuple(result)
 
-    def judged(self, name: str, repeats: int) -> TravelJudgement:
-        """Return what `select` makes of the planned trials if a law holds."""
-        trials = self.trials(name, repeats, {**self.needed(repeats), **self.stated})
-        return judged_travels(
-            self.now.mechanism, trials, self.laws, ordinary=self.ordinary, t_end=self.now.t_end
-        )
+    def tellings(self) -> dict[tuple[str, str], int | None]:
+        """Return with how many runs a law that holds rules out another; None if `MOST` do not.
+
+        The law with more parameters is taken to hold: the other one cannot imitate it. Of two with
+        as many, whichever is harder to rule out.
+        """
+        sizes = {name: len(required_of(type(law))) for name, law in self.typical.items()}
+        result = dict[tuple[str, str], int | None]()
+        for one, other in combinations(sorted(sizes, key=sizes.__getitem__), 2):
+            ways = [(other, one), (one, other)][: 1 + (sizes[one] == sizes[other])]
+            pair = min(ways, key=lambda way: self.gained(way[0], way[1], MOST))
+            needed = SURE * math.log(RIVAL)
+            few = (n for n in range(LEAST, MOST + 1) if self.gained(*pair, n) >= needed)
+            result[pair] = next(few, None)
+        return dict(sorted(result.items(), key=lambda item: item[1] or math.inf))
+
+    def gained(self, holds: str, rival: str, repeats: int) -> float:
+        """Return the evidence of a law over a rival by readings without errors."""
+        (of, errors), (other, _) = self._known[holds], self._known[rival]
+        apart, scatter = self.travels[holds] - self.travels[rival], errors / repeats
+        m, nu, weights = len(errors), THRESHOLDS.freedom, np.ones(len(errors))
+        for _ in range(STEPS):  # the rival meets them as well as it can, some settings rather
+            seen = other[-m:, -m:] + self._noise(scatter / weights)
+            off = np.linalg.solve(seen, apart)
+            left = off * scatter / weights
+            weights = (nu + 1.0) / (nu + left**2 / scatter)
+        cost = float(np.sum(block_scores(left**2 / scatter)) + (apart - left) @ off)
+        volumes = (np.linalg.slogdet(x[-m:, -m:] + self._noise(scatter))[1] for x in (other, of))
+        price = self.now.price(rival) - self.now.price(holds)
+        return 0.5 * (cost + float(np.subtract(*volumes))) + price
 
     @property
     def _knob(self) -> str:
@@ -398,15 +479,9 @@ class _Bench:
             for p, v in known.items()
             if v or p in self.stated
         }
-        law = self.typical[self.named]
-        path = self.now.law_of(self.named).model.free[0]
-        level = {p: value for p, _, value in parameters(law, "friction")}[path]
-        model = TravelModel(law, [path], self.now.t_end)
-        trials, step = self.trials(self.named, 1, units), MOVED
-        ends = [model.travels(trials, [factor * level]) for factor in (1.0 - step, 1.0 + step)]
-        slope = (ends[1] - ends[0]) / (2.0 * step)
+        _, slope = self._slope(self.named)
         gain = slope / float(slope @ slope)
-        alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
+        alone, shared = self._moved(self.typical[self.named], units)
         result = {path: float(np.linalg.norm(gain * item)) for path, item in alone.items()}
         result |= {path: abs(float(gain @ item)) for path, item in shared.items()}
         size = {READINGS: self.error * float(np.linalg.norm(gain))}
@@ -727,99 +802,3 @@ def _stated(
         mechanism, Measurement(travel=0.0, parameter_uncertainties=given)
     )
     return own
-
-
-def _pairs(
-    bench: _Bench, few: Mapping[str, TravelJudgement]
-) -> tuple[list[tuple[str, str, int | None]], int]:
-    """Return which law each pair of laws rules out, with how many runs, and how many are needed.
-
-    The law with more parameters is taken to hold: the other one cannot imitate it. Of two with as
-    many, whichever is harder to rule out. None for a pair that `MOST` runs do not tell apart.
-    Evidence grows in proportion to the number of runs.
-    """
-    sizes = {name: len(required_of(type(law))) for name, law in bench.laws.items()}
-    chosen = dict[frozenset[str], tuple[float, str, str]]()
-    for holds, rival in permutations(bench.laws, 2):
-        if sizes[rival] <= sizes[holds]:
-            pair, gained = frozenset((holds, rival)), _gained(few[holds], holds, rival)
-            if pair not in chosen or gained < chosen[pair][0]:
-                chosen[pair] = gained, holds, rival
-    many = dict[str, TravelJudgement]()
-    result, repeats = list[tuple[str, str, int | None]](), LEAST
-    for gained, holds, rival in sorted(chosen.values(), reverse=True):
-        needed: int | None = LEAST
-        if gained < SURE:
-            if holds not in many:
-                many[holds] = bench.judged(holds, MOST)
-            most = _gained(many[holds], holds, rival)
-            share = (SURE - gained) / (most - gained) if most >= SURE else math.inf
-            needed = LEAST + math.ceil(share * (MOST - LEAST)) if share <= 1.0 else None
-        repeats = max(repeats, needed or 0)
-        result.append((holds, rival, needed))
-    return result, repeats
-
-
-def _gained(judgement: TravelJudgement, holds: str, rival: str) -> float:
-    """Return the evidence of a law over a rival; infinite if that makes no such travels."""
-    evidence = judgement.evidence
-    return evidence[holds] - evidence[rival] if rival in evidence else math.inf
-
-
-def _telling(
-    few: Mapping[str, TravelJudgement],
-    rows: Sequence[Separation],
-    travels: Mapping[str, Array],
-    holds: str,
-    rival: str,
-    repeats: int | None,
-) -> Telling:
-    """Return a pair of laws as it stands in a plan."""
-    judgement = few[holds]
-    made = travels[rival]
-    if rival in judgement.evidence:
-        best = judgement.best_of(rival)
-        made = (judgement.measured - best.left * judgement.errors)[::LEAST]
-    left = np.abs(travels[holds] - made)
-    worst = int(np.argmax(left))
-    return Telling(
-        holds=holds, rival=rival, gap=float(left[worst]), setting=rows[worst], repeats=repeats,
-        most=MOST,
-        alike=float(left[worst]) <= THRESHOLDS.negligible * float(np.max(np.abs(travels[holds]))),
-    )  # fmt: skip
-
-
-def expected_estimates(
-    judgement: TravelJudgement, name: str, named: Collection[str] = ()
-) -> Sequence[Estimate]:
-    """Return the estimates of a law as `select` will state them."""
-    problem = JudgedTravels(judgement, named)
-    family = problem.family(name)
-    return problem.told(family, name, estimated(problem, name, family, problem.quantities(name)))
-
-
-def _expected(
-    after: Mapping[str, TravelJudgement], laws: Mapping[str, FrictionLaw]
-) -> list[Expectation]:
-    """Return the intervals to expect, and which parameters have none."""
-    result = []
-    for name, law in laws.items():
-        every = after[name].law_of(name).model.free
-        estimates = [*expected_estimates(after[name], name, every)]
-        for path, parameter, value in parameters(law, "friction"):
-            if path not in every and path.rpartition(".")[2] in ADVICE:
-                estimates.append(
-                    Estimate(
-                        path=path, quantity=parameter, value=value, low=-math.inf, high=math.inf,
-                        interval="95 %", reason=INSENSITIVE,
-                    )
-                )  # fmt: skip
-        for estimate in estimates:
-            last = estimate.path.rpartition(".")[2]
-            # off its limit, as `select` asks it to be
-            settled = estimate.bounded and estimate.low > room_for(law, last, ())[0]
-            advice = "" if settled else ADVICE.get(last, "")
-            result.append(
-                Expectation(law=name, estimate=estimate, identified=settled, advice=advice)
-            )
-    return result

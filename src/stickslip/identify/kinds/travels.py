@@ -67,7 +67,7 @@ from stickslip.identify.kinds.simulated import (
 from stickslip.identify.page import band_section
 from stickslip.identify.problems.travel_laws import top_speed
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import propose
+from stickslip.identify.propose import propose, within_band
 from stickslip.identify.simulated import FamilyDraws, Readable
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, all_paths, fields_of, parameters
@@ -288,22 +288,31 @@ class JudgedTravels(Readable):
 
     @cached_property
     def advice(self) -> tuple[tuple[float, ...], float]:
-        """Settings at which readings narrow the band of travels most, and to which share.
+        """Settings at which readings narrow the band most, and to which share.
 
-        One stands for several readings; in all, they are no more than were made. No reading takes
-        off what laws leave at settings that were not measured.
+        It is that within the settings measured, where these differ. One setting stands for several
+        readings; in all, they are no more than were made. No reading takes off what laws leave at
+        settings that were not measured.
         """
         judgement, settings = self.judgement, self.settings
         if judgement.knob is None or not len(settings):
             return (), 1.0
-        travels = judgement.drawn_travels(settings)
-        lasts = durations(judgement.at(settings), judgement.t_end)
+        known = judgement.settings if self.varied else settings
+        inside = (settings >= known.min()) & (settings <= known.max())
+        travels = within_band(judgement.drawn_travels(settings)[:, inside])
+        read = within_band(judgement.drawn_readings(settings))
+        lasts = durations(judgement.at(settings), judgement.t_end)[inside]
         results = propose(
-            travels, travels, judgement.noise(settings), taken=len(self.trials),
+            travels, read, judgement.noise(settings), taken=len(self.trials),
             rest=(judgement.discrepancy * lasts) ** 2,
         )  # fmt: skip
         places = sorted(rounded_setting(float(settings[k]), self.unit) for k in results.places)
         return tuple(places), results.shrinks
+
+    @property
+    def varied(self) -> bool:
+        """Whether settings that were measured differ."""
+        return bool(np.ptp(self.judgement.settings))
 
     @property
     def knob(self) -> str:
@@ -1071,9 +1080,10 @@ class TravelKind(SimulatedKind):
         symbol = all_paths(problem.judgement.mechanism, "mechanism")[problem.knob].symbol
         parts = [problem.setting(x) + f" ({n} runs)" * (n > 1) for x, n in Counter(places).items()]
         many = count(len(places), "reading there is", "readings there are")
+        within_these = " within the settings measured" * problem.varied
         yield (
             f"Set ${symbol}$ to {joined(parts)}: {many} expected to narrow the band"
-            f" of the {what} to {percent(shrinks)} of its width."
+            f" of the {what}{within_these} to {percent(shrinks)} of its width."
         )
 
     # numbers and figures

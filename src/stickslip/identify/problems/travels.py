@@ -201,7 +201,7 @@ class TravelJudgement:
         self.blocks = _settings(self.trials)
         self.counts = np.bincount(self.blocks)
         self._weighed: dict[tuple[str, int], tuple[TravelDraws, Array]] = {}
-        self._drawn: dict[bytes, Array] = {}
+        self._drawn: dict[bytes, tuple[Array, Array]] = {}
         self._best_runs: dict[str, tuple[Array, Array]] = {}
 
     # ------------------------------------------------------------------ settings
@@ -247,7 +247,7 @@ class TravelJudgement:
             (structure for law in self.laws for structure in law.structures),
             key=lambda item: float(np.sum(((self.measured - item.predicted) / self.readings) ** 2)),
         )
-        self._reference = law.law.with_unknowns(law.unknowns)
+        self._reference, self._base = law.law.with_unknowns(law.unknowns), law.predicted
         values = law.law.values(law.unknowns[None])[0].tolist()
         trials = [law.law.model.set_up(trial, values) for trial in self.trials]
         alone, shared = propagated(TravelModel(self._reference, (), self.t_end), trials)
@@ -350,7 +350,7 @@ class TravelJudgement:
     def least_errors(self) -> Array:
         """Errors of the readings (n,) [m] that are stated, and that repeats and settings have."""
         _, alone = self._doubts
-        return np.asarray(np.sqrt(np.maximum(self.readings**2, self._repeats() ** 2) + alone))
+        return np.asarray(np.sqrt(self.readings**2 + self._repeats() ** 2 + alone))
 
     @cached_property
     def misfit(self) -> bool:
@@ -365,14 +365,19 @@ class TravelJudgement:
         return not self.stated or bool(np.any(self.errors > 1.001 * known))
 
     def _repeats(self) -> Array:
-        """Return what repeats of a setting scatter by, in proportion to the travel (n,) [m]."""
-        freedom = len(self.trials) - len(self.counts)
-        if freedom < FEWEST - 1:
+        """Return what repeats scatter by beside the readings' errors, as the travel (n,) [m].
+
+        They are compared over the travels of a law: numbers of one setting are about the same, and
+        travels differ by what these do.
+        """
+        if len(self.trials) - len(self.counts) < FEWEST - 1:
             return np.zeros(len(self.measured))
-        mean = (np.bincount(self.blocks, self.measured) / self.counts)[self.blocks]
-        left = self.measured / np.where(mean == 0.0, 1.0, mean) - 1.0
-        share = math.sqrt(float(np.sum(left**2)) / freedom)
-        return np.asarray(share * np.abs(np.where(mean == 0.0, 1.0, mean)))
+        base = np.where(self._base == 0.0, 1.0, self._base)
+        mean = (np.bincount(self.blocks, self.measured / base) / self.counts)[self.blocks] * base
+        free = 1.0 - 1.0 / self.counts[self.blocks]
+        excess = float(np.sum((self.measured - mean) ** 2 - free * self.readings**2))
+        least = max(float(free @ mean**2), 1e-300)
+        return np.asarray(math.sqrt(max(excess, 0.0) / least) * np.abs(mean))
 
     def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
         shared = self._shared(errors)
@@ -734,6 +739,14 @@ class TravelJudgement:
 
     def drawn_travels(self, settings: Array) -> Array:
         """Return the travels (d, m) [m] at settings (m,) of the knob by draws of laws."""
+        return self._drawn_at(settings)[0]
+
+    def drawn_readings(self, settings: Array) -> Array:
+        """Return these as they would be read (d, m) [m]: all with the offset of their draw."""
+        travels, offsets = self._drawn_at(settings)
+        return travels + OFFSET * float(np.median(self.readings)) * offsets[:, None]
+
+    def _drawn_at(self, settings: Array) -> tuple[Array, Array]:
         asked = np.asarray(settings, dtype=float).tobytes()
         if asked not in self._drawn:  # a band and what narrows it are of the same runs
             trials = self.at(settings)
@@ -744,7 +757,9 @@ class TravelJudgement:
                 if draw.smooth is not None:
                     result[-1] += self._around(draw, trials, settings)
             every = np.vstack(result)
-            self._drawn[asked] = np.asarray(every[np.isfinite(every).all(axis=1)])
+            works = np.isfinite(every).all(axis=1)
+            offsets = np.concatenate([draw.nuisances[:, -1] for draw in self.draws])
+            self._drawn[asked] = every[works], offsets[works]
         return self._drawn[asked]
 
     def noise(self, settings: Array) -> Array:
