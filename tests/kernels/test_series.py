@@ -12,8 +12,10 @@ from tests.support import Generated, decade, examples, nearly
 
 from stickslip import (
     Axis,
+    Capsule,
     Coulomb,
     CoulombViscous,
+    EventDriven,
     SpringBlock,
     Stribeck,
     TowedBlock,
@@ -22,6 +24,7 @@ from stickslip import (
 )
 from stickslip.engine.kernels.state_layout import DENSE, FLAGS, MODE, SCALE, SERIES, Y1, Y
 from stickslip.engine.kernels.steppers import series_step
+from stickslip.mechanisms import Torque
 from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sine
 
 MANY = examples(100)
@@ -344,3 +347,22 @@ def test_a_very_viscous_body_follows_a_broken_line_of_force():
     push = 0.5 * 0.5 * 1e3
     assert math.isclose(run["x"][-1], (push - 0.5 * 1e3 - run["v"][-1]) / sigma, rel_tol=1e-10)
     assert math.isclose(run["v"][-1], -1e3 / sigma, rel_tol=1e-10)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 0.2])
+def test_series_of_two_coordinates_are_the_exponential_of_their_matrix(amplitude):
+    """Of the states and the sine and cosine of the force on the inner mass, to rounding."""
+    outer, inner, k, c, w, t_end = 0.08, 0.02, 60.0, 0.03, 2.0 * np.pi * 5.0, 0.5
+    rig = Capsule(
+        capsule_mass=outer, inner_mass=inner, stiffness=k, damping=c, drive_on="inner mass",
+        drive=Torque(drive=Sine(amplitude=amplitude, frequency=5.0)),
+    )  # fmt: skip
+    start = np.array([0.0, 1e-3, 0.2, -0.1])
+    run = EventDriven().run(rig, Coulomb(kinetic_coefficient=0.0), y0=start.tolist(), t_end=t_end)
+    matrix, both = np.zeros((6, 6)), 1.0 / outer + 1.0 / inner
+    matrix[0, 2] = matrix[1, 3] = 1.0
+    matrix[2, [1, 3]], matrix[3, [1, 3]] = [k / outer, c / outer], [-k * both, -c * both]
+    matrix[3, 4], matrix[4, 5], matrix[5, 4] = amplitude / inner, w, -w
+    exact = expm(matrix * t_end) @ [*start, 0.0, 1.0]
+    found = [run.at([t_end])[name][0] for name in ("x", "xi", "v", "xi_dot")]
+    np.testing.assert_allclose(found, exact[:4], rtol=0.0, atol=1e-13)

@@ -593,15 +593,18 @@ def guard_polynomial(guard: int, h: float, w: Vector, iw: IntVector) -> int:
     # many guards are 0 in a mode, or change with nothing in it
     terms = int(w[dense]) if first <= row + n or waves else 0
     for k in range(1, terms + 1):
-        total = h * w[row + n] if k == 1 else 0.0
+        w[layout.POLYNOMIAL + k] = h * w[row + n] if k == 1 else 0.0
         if k > 1 and waves:
             power, place = wave_at(k, w, iw)
-            total = power * w[place + n + guard]
-        for i in range(n):
-            total += w[row + i] * w[dense + 1 + k * n + i]
-        w[layout.POLYNOMIAL + k] = total
-        last += total
-        if total != 0.0:
+            w[layout.POLYNOMIAL + k] = power * w[place + n + guard]
+    for i in range(n if terms > 0 else 0):
+        if w[row + i] != 0.0:  # most guards change with a state or two
+            slope, at = w[row + i], dense + 1 + i
+            for k in range(1, terms + 1):
+                w[layout.POLYNOMIAL + k] += slope * w[at + k * n]
+    for k in range(1, terms + 1):
+        last += w[layout.POLYNOMIAL + k]
+        if w[layout.POLYNOMIAL + k] != 0.0:
             degree = k
     w[reached + guard] = max(w[reached + guard], abs(w[values + guard]), abs(last))
     note_least(guard, min(w[values + guard], last), w, iw)

@@ -182,12 +182,15 @@ def series_sensed(
     size = n * m
     now, result = columns_at(0, q, m, iw), columns_at(1, q, m, iw)
     term, forced = columns_at(2, q, m, iw), columns_at(5, q, m, iw)
+    acts = False  # nothing does along initial states
+    for c in range(m):
+        acts = acts or own[c] >= 0.0
     if iw[layout.N_CONTACTS] > 0:
         w[layout.TIME] = t
         equations.ask_of(equations.SERIES_FROM, h, w, iw, y, 0)
     else:
         series_fill(t, h, w, iw, y)
-    for s in range(count):
+    for s in range(count if acts else 0):
         interpolate(w, iw, NODES[s], point)
         forcing(t + NODES[s] * h, point, w, iw, own, q, m, forced + s * size)
     equations.jacobian(t, w, iw, y, matrix)
@@ -248,11 +251,8 @@ def radau_sensed(
     """Advance the sensitivities along a row of length `h` by `length`; result in columns 1."""
     n = iw[layout.N_STATES]
     stages = RADAU_STAGES * n
-    now, result, matrix = (
-        columns_at(0, q, m, iw),
-        columns_at(1, q, m, iw),
-        columns_at(5, q, m, iw),
-    )
+    now, result = columns_at(0, q, m, iw), columns_at(1, q, m, iw)
+    matrix = columns_at(5, q, m, iw)
     pivots = matrix + stages * stages
     for s in range(RADAU_STAGES):
         radau_stage(s, t, h, length, w, iw, own, q, m)

@@ -122,52 +122,19 @@ A = (
     2.9475147891527724, -9.15095847217987,
 )
 C = (
-    0.0,
-    0.05260015195876773,
-    0.0789002279381516,
-    0.1183503419072274,
-    0.2816496580927726,
-    0.3333333333333333,
-    0.25,
-    0.3076923076923077,
-    0.6512820512820513,
-    0.6,
-    0.8571428571428571,
-    1.0,
-    1.0,
-    0.1,
-    0.2,
-    0.7777777777777778,
+    0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726,
+    0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0,
+    1.0, 0.1, 0.2, 0.7777777777777778,
 )
 ERROR_3 = (
-    -0.18980075407240762,
-    0.0,
-    0.0,
-    0.0,
-    0.0,
-    4.450312892752409,
-    1.8915178993145003,
-    -5.801203960010585,
-    -0.4226823213237919,
-    -0.1521609496625161,
-    0.20136540080403034,
-    0.02265179219836082,
-    0.0,
+    -0.18980075407240762, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003,
+    -5.801203960010585, -0.4226823213237919, -0.1521609496625161, 0.20136540080403034,
+    0.02265179219836082, 0.0,
 )
 ERROR_5 = (
-    0.01312004499419488,
-    0.0,
-    0.0,
-    0.0,
-    0.0,
-    -1.2251564463762044,
-    -0.4957589496572502,
-    1.6643771824549864,
-    -0.35032884874997366,
-    0.3341791187130175,
-    0.08192320648511571,
-    -0.022355307863886294,
-    0.0,
+    0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502,
+    1.6643771824549864, -0.35032884874997366, 0.3341791187130175, 0.08192320648511571,
+    -0.022355307863886294, 0.0,
 )
 D = (
     -8.428938276109013, 0.0, 0.0, 0.0, 0.0, 0.5667149535193777, -3.0689499459498917,
@@ -496,6 +463,9 @@ def series_fill(t: float, h: float, w: Vector, iw: IntVector, at: int) -> None:
     if n == 2 and waving == 0:
         series_of_two(h, w, iw)
         return
+    if n == 4:
+        series_of_four(h, waving, w, iw)
+        return
     # Two small terms in a row end the series: one alone may be zero by chance, as each second term
     # of an oscillation from rest is.
     small = 0
@@ -558,6 +528,34 @@ def series_of_two(h: float, w: Vector, iw: IntVector) -> None:
         largest_v = max(largest_v, abs(v))
         ended = abs(x) <= VANISHED * largest_x and abs(v) <= VANISHED * largest_v
         small = small + 1 if ended else 0
+    w[iw[layout.DENSE]] = terms - small
+
+
+def series_of_four(h: float, waving: int, w: Vector, iw: IntVector) -> None:
+    """Fill in the series of four states, of two coordinates, as `series_fill` does of any."""
+    at, last, small, terms = iw[layout.MATRIX], iw[layout.DENSE] + 5, 0, 1
+    x, y, u, v = w[last], w[last + 1], w[last + 2], w[last + 3]
+    most_x, most_y = max(abs(w[last - 4]), abs(x)), max(abs(w[last - 3]), abs(y))
+    most_u, most_v = max(abs(w[last - 2]), abs(u)), max(abs(w[last - 1]), abs(v))
+    while terms < layout.SERIES and small < 2:
+        last += 4
+        terms += 1
+        power, to = h if terms == 2 else 0.0, iw[layout.DRIFT]
+        if waving > 0 and terms > 2:
+            power, to = wave_at(terms - 1, w, iw)
+        a, b, c, d = power * w[to], power * w[to + 1], power * w[to + 2], power * w[to + 3]
+        a = a + w[at] * x + w[at + 1] * y + w[at + 2] * u + w[at + 3] * v
+        b = b + w[at + 4] * x + w[at + 5] * y + w[at + 6] * u + w[at + 7] * v
+        c = c + w[at + 8] * x + w[at + 9] * y + w[at + 10] * u + w[at + 11] * v
+        d = d + w[at + 12] * x + w[at + 13] * y + w[at + 14] * u + w[at + 15] * v
+        factor = h / terms
+        x, y, u, v = factor * a, factor * b, factor * c, factor * d
+        w[last], w[last + 1], w[last + 2], w[last + 3] = x, y, u, v
+        most_x, most_y = max(most_x, abs(x)), max(most_y, abs(y))
+        most_u, most_v = max(most_u, abs(u)), max(most_v, abs(v))
+        ended = abs(x) <= VANISHED * most_x and abs(y) <= VANISHED * most_y
+        ended = ended and abs(u) <= VANISHED * most_u and abs(v) <= VANISHED * most_v
+        small = small + 1 if ended and terms >= waving else 0
     w[iw[layout.DENSE]] = terms - small
 
 

@@ -1142,12 +1142,12 @@ class Curve:
         u0 = here.unknowns
         for ds in self.behind:
             with suppress(SimulationError, InputError, np.linalg.LinAlgError):
-                far = self.point(self.shoot(u0 + ds * here.tangent).sensed())
+                far = self.point(self.shoot(u0 + ds * here.tangent))
                 if far.signature == here.signature:
                     continue
-                left, _, right = np.linalg.svd(far.slopes - here.slopes)
                 if not hits(here, far):
                     return None
+                left, _, right = np.linalg.svd(far.slopes - here.slopes)
                 b, e = left[:, 0], right[0] * np.sign(right[0] @ here.tangent)
                 b = b * np.sign(b @ far.shot.residual)
                 speed = _length(far.shot.residual / self.scale[:-1])
@@ -1168,10 +1168,10 @@ class Curve:
         u0 = here.unknowns
         start = u0 + ds * here.tangent
         with suppress(SimulationError, InputError):
-            guess = self.shoot(start).sensed()
+            guess = self.shoot(start)
             if guess.signature == here.signature:
                 return None
-            null = self.point(guess).tangent
+            null = self.point(guess.sensed()).tangent
             alike = abs(float(null @ here.tangent)) > TURN
             for normal in (null,) if alike else (null, here.tangent):
                 result = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)

@@ -422,7 +422,7 @@ def growth(
         if not begin:
             size = np.abs(states).max(axis=0)
             scale = np.where(size > 0.0, size, max(size.max(initial=0.0), 1e-300))
-        slopes = run.differentiate(times, map_.paths)[:, list(map_.free), :n]
+        slopes = run.differentiate(times, map_.paths[:n])[:, list(map_.free)]
         matrix = slopes * scale / scale[:, None]
         known = np.isfinite(matrix).all(axis=(0, 1))
         vector = np.where(known, vector / np.linalg.norm(vector), 0.0)
