@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
-from stickslip.identify.fits import SURE
-from stickslip.identify.problems.record_signals import Filter, Record, followed
+from stickslip.identify.fits import SURE, play
+from stickslip.identify.problems.record_signals import Filter, Record
 
 Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
@@ -459,7 +459,7 @@ class Piece:
         """Return positions that a band over the cutoff lets pass, without chatter (n,)."""
         chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * wider * self.cutoff, 1.0))
         smooth = self.filters[MIDDLE](self.record.position, bent=True, wider=wider, full=True)
-        return followed(smooth, chatter)
+        return play(smooth, chatter)
 
     def along(self, length: float) -> Array:
         """Return the way of a bristle (n,): with less of the filter where noise is short of it."""
