@@ -502,9 +502,10 @@ class RecordModel(Model):
         acting, which = self.acting(node), self.key(node)[0]
         noise = self.at(node, "noise") / self.weights[which, node[-3]]
         if math.isfinite(acting.limit) or acting.clipped:
-            above, hidden = self._fixed[which].get("limit"), self.hidden(which, node[-3])
-            noise = noise * EXACT**hidden
-            share = hidden if acting.clipped else np.minimum(np.abs(above[:, 0]), 1.0)
+            share = self.hidden(which, node[-3])
+            noise = noise * EXACT**share
+            if not acting.clipped:
+                share = np.minimum(np.abs(self._fixed[which]["limit"][:, 0]), 1.0)
             noise = noise * np.maximum(self.balance.excess(acting) / noise, 1.0) ** share
         return self.spread[which, node[-3]] - float(np.sum(np.log(noise)))
 
