@@ -640,3 +640,43 @@ def test_a_bristle_carries_the_load_of_the_moment() -> None:
     rows = problem.at(np.full(2, 0.05), load=np.array([5.0, 15.0]))
     expected = 0.8 * np.array([5.0, 15.0]) + VISCOUS * 0.05
     assert judgement.acting(rows) == pytest.approx(expected, rel=0.005)
+
+
+# ---- a sensor of the force that clips
+
+
+def clipped(share: float) -> Record:
+    record = driven()
+    most = share * float(np.max(np.abs(record.force)))
+    return replace(record, force=np.clip(record.force, -most, most))
+
+
+def test_forces_that_a_sensor_clips_are_hidden_and_not_data() -> None:
+    judgement = judged(clipped(0.6))
+    assert judgement.named.family == ("level", "viscous")
+    known = {one.path.rpartition(".")[2]: one for one in judgement.intervals}
+    truth = {"inertia": INERTIA, "kinetic_coefficient": LEVEL, "viscous_coefficient": VISCOUS}
+    for name, value in truth.items():
+        assert known[name].low < value < known[name].high, name
+    assert known["inertia"].high - known["inertia"].low < 0.04 * INERTIA
+    clips = next(item for item in judgement.findings if item.term == "clipping")
+    assert clips.probability > 0.99
+    assert "%" in clips.sentence
+
+
+def test_a_command_that_is_limited_before_it_is_recorded_is_no_sensor_that_clips() -> None:
+    t = np.arange(0.0, 8.0, 0.002)
+    force = 30.0 * np.sin(2.0 * math.pi * 0.7 * t) + 15.0 * np.sin(2.0 * math.pi * 1.9 * t + 1.0)
+    force = np.clip(force, -20.0, 20.0)
+    x, v = np.zeros_like(t), 0.0
+    for k in range(1, len(t)):  # friction of 8 N holds or brakes, ten steps for each sample
+        for _ in range(10):
+            free = v + 2e-4 * (force[k - 1] - VISCOUS * v) / INERTIA
+            v = math.copysign(max(abs(free) - 2e-4 * LEVEL / INERTIA, 0.0), free)
+            x[k] += 2e-4 * v
+        x[k] += x[k - 1]
+    rng = np.random.default_rng(2)
+    judgement = judged(Record(time=t, position=x + 1e-6 * rng.normal(size=len(t)), force=force))
+    assert not [item for item in judgement.findings if item.term == "clipping"]
+    inertia = next(one for one in judgement.intervals if one.path.endswith("inertia"))
+    assert inertia.low < INERTIA < inertia.high

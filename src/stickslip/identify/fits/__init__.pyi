@@ -21,7 +21,6 @@ from stickslip.identify.fits.gears import transmitted_along as transmitted_along
 from stickslip.identify.fits.levenberg_marquardt import FIRST_DAMPING as FIRST_DAMPING
 from stickslip.identify.fits.levenberg_marquardt import ResidualJacobian as ResidualJacobian
 from stickslip.identify.fits.levenberg_marquardt import improve as improve
-from stickslip.identify.fits.motions import FilteredMotion as FilteredMotion
 from stickslip.identify.fits.motions import HARMONICS as HARMONICS
 from stickslip.identify.fits.motions import HIGHEST as HIGHEST
 from stickslip.identify.fits.motions import mean_frequency as mean_frequency

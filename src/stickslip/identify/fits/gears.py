@@ -12,8 +12,7 @@ from stickslip.identify.fits.motions import (
     HIGHEST,
     LEAST,
     PATH,
-    FilteredMotion,
-    filtered_motion,
+    filtered_velocity,
     mean_force,
     passed_by_balance,
     second_differences,
@@ -94,7 +93,7 @@ def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
         passed = passed_by_balance(raw)
         a = second_differences(smoothed(raw, min(AHEAD * passed, PATH * HIGHEST)), dt)
         torques = gear_torques(
-            filtered_motion(raw, dt, passed, tracked="position" in piece.quantities()),
+            filtered_velocity(raw, dt, passed, tracked="position" in piece.quantities()),
             drives[rows],
             mass * a - still[rows],
             told["external"][rows],
@@ -110,7 +109,7 @@ def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
 
 
 def gear_torques(
-    motion: FilteredMotion,
+    velocity: Array,
     applied: Array,
     taken: Array,
     external: Array,
@@ -122,6 +121,8 @@ def gear_torques(
 ) -> dict[str, Array]:
     """Return the torque of a motor (n,), and what its gear transmits of it.
 
+    Velocities (n,) are 0 at rest.
+
     The motor's is what the motion takes, with friction that grows with either torque or a square:
     of the measured one friction is a part, so that it would explain whatever friction there is.
     What of it the motion itself makes, as back-EMF does, is `within` it and in `taken`. Of each of
@@ -130,21 +131,18 @@ def gear_torques(
 
     Examples
     --------
-    >>> from stickslip.identify.fits.motions import filtered_motion
     >>> t = np.arange(0.0, 20.0, 0.01)
     >>> x, v, weight = np.sin(t), np.cos(t), -2.0 * np.sin(np.sin(t))
     >>> motor = 0.1 * np.sign(v) - weight
-    >>> motion = filtered_motion(x, 0.01, 0.1, tracked=True)
-    >>> found = gear_torques(motion, motor, -weight, weight, 0.1)
+    >>> found = gear_torques(v, motor, -weight, weight, 0.1)
     >>> bool(np.quantile(np.abs(found["motor"] - motor), 0.9) < 0.01)
     True
     """
-    ways = np.where(motion.resting, 0.0, np.sign(motion.velocity))
-    left = applied - taken
+    ways, left = np.sign(velocity), applied - taken
     motor, transmitted = taken + within, taken + within - external
     for _ in range(ROUNDS):  # the torque that a gear transmits has its friction in it
         loads = np.column_stack([np.abs(transmitted), np.abs(motor), transmitted**2])
-        rubs = np.column_stack([ways, motion.velocity, ways[:, None] * loads])
+        rubs = np.column_stack([ways, velocity, ways[:, None] * loads])
         others = np.column_stack([np.ones_like(ways), *unknown])
         seen = smoothed(np.column_stack([left, rubs, others]), passed)
         signed = seen[:, -others.shape[1] :]

@@ -6,11 +6,10 @@ smears in all of them, and no estimate shifts.
 
 import functools
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfiltfilt
 
 from stickslip.data import noise_of, step_of, usual_top_speed
 
@@ -23,39 +22,19 @@ ORDER = 4
 """Order of filters."""
 
 
-@dataclass(frozen=True, eq=False)
-class LowPass:
-    """A filter, with the states that take scipy's filter longer to find than a column to pass."""
-
-    sections: Array
-    """Sections of second order (m, 6)."""
-    settled: Array
-    """Their states after a constant 1 (m, 2)."""
-
-    def passed(self, x: Array) -> Array:
-        """Return columns (n, ...) after the filter, forward and backward, as `sosfiltfilt` does.
-
-        Beyond their ends they go on point-mirrored, and before these as a constant.
-        """
-        n = 3 * (ORDER + 1)
-        result = np.concatenate([2.0 * x[:1] - x[n:0:-1], x, 2.0 * x[-1:] - x[-2 : -n - 2 : -1]])
-        settled = self.settled.reshape(*self.settled.shape, *(1,) * (x.ndim - 1))
-        for _ in ("forward", "backward"):
-            result = sosfilt(self.sections, result, axis=0, zi=settled * result[0])[0][::-1]
-        return np.asarray(result[n:-n])
-
-
 def play(path: Array, reach: float) -> Array:
     """Return positions (n,) that follow a path only where it leaves their reach, as play does.
 
     Chatter of less than the reach is gone: noise at rest must not relax a bristle.
+
+    Examples
+    --------
+    >>> play(np.array([0.0, 1.0, 3.0, 2.0, -2.0]), 1.0).tolist()
+    [0.0, 0.0, 2.0, 2.0, -1.0]
     """
-    result, at = [], float(path[0])
+    at, result = float(path[0]), []
     for x in path.tolist():  # comparisons, as `min` and `max` take thrice as long
-        if at < x - reach:
-            at = x - reach
-        elif at > x + reach:
-            at = x + reach
+        at = x - reach if at < x - reach else x + reach if at > x + reach else at
         result.append(at)
     return np.array(result)
 
@@ -136,21 +115,18 @@ def mean_frequency(x: Array, noise: float) -> float:
     return math.sqrt(max(steps, 0.0)) / max(float(np.std(x)), 1e-300)
 
 
-def passed_by_balance(x: Array, *, resolved: bool = False) -> float:
+def passed_by_balance(x: Array) -> float:
     """Return what the common filter passes along positions (n,), over half their frequency.
 
     A multiple of the mean frequency of the motion; less where accelerations would be noise, as
     least squares would find too small a mass. White noise s has accelerations of variance
-    s^2 w^5 / (5 pi) up to w rad per sample. Where bristles are to be `resolved`, all that this
-    allows: of an axis that sticks and slips a filter of 2 Hz left 23 N of 39 N at the true law, one
-    of 70 Hz the noise of the force, 0.06 N.
+    s^2 w^5 / (5 pi) up to w rad per sample.
     """
     noise, spread = positive_noise(x), float(np.std(x))
     mean = mean_frequency(x, noise)
     share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
-    most = HIGHEST if resolved else most
     return float(min(max(min(max(quiet, least), most), 2.0 * HARMONICS / len(x)), HIGHEST))
 
 
@@ -164,35 +140,8 @@ def _passed_of_motion(x: Array, noise: float, least: float) -> float:
     return float(min(max(share, least), PATH * HIGHEST))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FilteredMotion:
-    """A measured motion, filtered, and where it rests."""
-
-    position: Array
-    """Filtered positions (n,) [m]."""
-    velocity: Array
-    """Their rates (n,) [m/s], 0 at rest."""
-    resting: NDArray[np.bool_]
-    """Samples (n,) at which the sensor does not resolve any motion."""
-
-    def within(self, rows: slice) -> "FilteredMotion":
-        """Return some of the samples."""
-        return replace(
-            self,
-            position=self.position[rows],
-            velocity=self.velocity[rows],
-            resting=self.resting[rows],
-        )
-
-
-def filtered_motion(
-    raw: Array,
-    dt: float,
-    passed: float,
-    *,
-    tracked: bool,
-) -> FilteredMotion:
-    """Return the motion that positions (n,) show.
+def filtered_velocity(raw: Array, dt: float, passed: float, *, tracked: bool) -> Array:
+    """Return the velocities (n,) that positions (n,) show, 0 at rest.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
     longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
@@ -214,7 +163,7 @@ def filtered_motion(
         least = max(GLIMPSE / passed, 1.0)
         resting &= edges[number + 1] - edges[number] > least
         resting = _lasting(resting, least)
-    return FilteredMotion(position=x, velocity=np.where(resting, 0.0, v), resting=resting)
+    return np.where(resting, 0.0, v)
 
 
 def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
@@ -236,11 +185,10 @@ def reach_of(position: Array, noise: float) -> float:
 
 def smoothed(columns: Array, passed: float) -> Array:
     """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed."""
-    return _low_pass(passed).passed(columns)
+    return np.asarray(sosfiltfilt(_low_pass(passed), columns, axis=0))
 
 
 @functools.lru_cache(maxsize=64)
-def _low_pass(passed: float) -> LowPass:
-    """Return the filter, whose design takes as long as its use on a few seconds of a record."""
-    sections = np.asarray(butter(ORDER, min(passed, 1.0), output="sos"))
-    return LowPass(sections, np.asarray(sosfilt_zi(sections)))
+def _low_pass(passed: float) -> Array:
+    """Return the sections (m, 6) of the filter, whose design takes as long as its use."""
+    return np.asarray(butter(ORDER, min(passed, 1.0), output="sos"))

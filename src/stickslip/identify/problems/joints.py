@@ -46,7 +46,6 @@ from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError
 from stickslip.identify.bands import Array
 from stickslip.identify.fits import (
-    FilteredMotion,
     gear_torques,
     joint_inputs,
     positions_of,
@@ -541,9 +540,8 @@ class _Piece:
         inputs = recorded_inputs(self.record, self.time, name)
         external = self._external(name, place, v)
         if external is not None:  # of what is measured friction is a part
-            motion = FilteredMotion(position=q[:, i], velocity=v[:, i], resting=v[:, i] == 0.0)
             inputs |= gear_torques(
-                motion, self.force[:, i], taken[:, i], external, 2.0 * step * band,
+                v[:, i], self.force[:, i], taken[:, i], external, 2.0 * step * band,
                 unknown=[*slopes[:, i, : len(torques.linear)].T],
             )  # fmt: skip
         return replace(

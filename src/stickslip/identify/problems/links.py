@@ -5,6 +5,7 @@ Of inertial parameters of a robot's links a motion tells only combinations.
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -69,10 +70,12 @@ class JointBalances:
         for _ in range(AGAIN):
             own = cls.about(mechanism, measurement, paths, resting, held=held, zeros=zeros)
             values = own._values(paths)
-            change = _change(mechanism, values)
-            if change < SETTLED:
+            before = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+            each = ((x, x - before[path]) for path, x in values.items())
+            if all(abs(change) < SETTLED * max(abs(x), 1e-300) for x, change in each):
                 break
-            mechanism = _allowed(mechanism, values)
+            with suppress(ParameterError):  # of what it does not take together
+                mechanism = vary(mechanism, "mechanism", values)
             if not own.records.bent:
                 return cls.about(mechanism, measurement, paths, resting, held=held, zeros=zeros)
         return own
@@ -112,23 +115,6 @@ class JointBalances:
                 least = item.low if item.above is None else item.above + 1e-6 * abs(given)
                 result[path] = min(max(given + change[path], least), item.high)
         return result
-
-
-def _change(mechanism: Mechanism, values: Mapping[str, float]) -> float:
-    """Return the largest change of parameters from those of a mechanism, over their values."""
-    before = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    return max(
-        (abs(value - before[path]) / max(abs(value), 1e-300) for path, value in values.items()),
-        default=0.0,
-    )
-
-
-def _allowed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
-    """Return a mechanism with parameters; as it is where it does not take them together."""
-    try:
-        return vary(mechanism, "mechanism", values)
-    except ParameterError:
-        return mechanism
 
 
 def _refuse_alike(names: Sequence[str]) -> None:

@@ -368,6 +368,8 @@ class Balance:
         """That of a mass on a spring, where one is likely."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
         self._seen: dict[tuple[int, int], tuple[Memory, dict[str, Array], dict[Column, Array]]] = {}
+        if like and any(np.any(piece.hidden) for piece in like.pieces):
+            self.reveal()
 
     @property
     def measured(self) -> bool:
@@ -664,9 +666,11 @@ class Balance:
             + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
+        weights = TINY**rows.hidden
         for kept in (1.0, 0.0) if self.pulled else (0.0,):
             x[:, 4] *= kept
-            c = np.linalg.lstsq(x / size, rows.force, rcond=SAME_SPAN)[0] / size
+            weighed = x / size * weights[:, None]
+            c = np.linalg.lstsq(weighed, rows.force * weights, rcond=SAME_SPAN)[0] / size
             if c[4] >= 0.0 or not self.controlled:
                 break
         return np.asarray(c)
@@ -706,14 +710,29 @@ class Balance:
         parts = [piece.above(limit) for piece in self.pieces]
         return self.rows(which).seen(parts, acting=self.acting)
 
-    def excess(self, limit: float) -> float:
+    @property
+    def clips(self) -> bool:
+        """Whether a sensor of the force may clip, but not in nearly all rows."""
+        return self.driven and 0.0 < float(np.mean(self.rows(MIDDLE).hidden)) < 0.9
+
+    def reveal(self) -> None:
+        """Take forces that are hidden if their sensor clips as the motion needs them."""
+        pieces = []
+        for piece, needed in zip(self.pieces, self.needed(RIGID), strict=True):
+            beyond = np.sign(piece.clipped) * (needed - piece.acted(AS_RECORDED))
+            pieces.append(replace(piece, hidden=piece.clipped * np.maximum(beyond, 0.0)))
+        self.take(pieces)
+
+    def excess(self, acting: Acting) -> float:
         """Return by how much forces are above a limit in the mean, with their noise [N].
 
         A limit within the noise takes nothing but noise from them, which is no better for it.
         """
         force = np.abs(np.concatenate([piece.given.force for piece in self.pieces]))
-        above = force[force > limit]
-        return math.hypot(float(np.mean(above)) - limit, self._force_noise) if len(above) else 0.0
+        above = force[force > acting.limit] - acting.limit
+        if acting.clipped:
+            above = np.abs(np.concatenate([x.hidden[x.clipped != 0.0] for x in self.pieces]))
+        return math.hypot(float(np.mean(above)), self._force_noise) if len(above) else 0.0
 
     @cached_property
     def _force_noise(self) -> float:

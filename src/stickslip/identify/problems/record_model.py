@@ -214,7 +214,8 @@ ROUNDING = 1e-8
 """Share of the covariance of the curve that keeps its root positive."""
 EXACT = 1e-5
 """Noise of rows at least, over the root mean square of the response: filters round, and integrators
-of simulated records (with a tenth, steps of .1 ms made a spring 12 likelier, by its logarithm)."""
+of simulated records (with a tenth, steps of .1 ms made a spring 12 likelier, by its logarithm); and
+the weight of rows whose force a sensor that clips hides."""
 RIDGE = 1e-12
 """Share of its own square that each column has as noise of its own: as much as rounding may make
 of columns that are nearly alike, so that factors exist where nothing else is noise."""
@@ -498,12 +499,19 @@ class RecordModel(Model):
         Of forces above a limit nothing but the excess over it is data, which spreads by as much as
         it is in the mean, at least by the noise. What the limit leaves counts as elsewhere.
         """
-        limit, which = self.acting(node).limit, self.key(node)[0]
+        acting, which = self.acting(node), self.key(node)[0]
         noise = self.at(node, "noise") / self.weights[which, node[-3]]
-        if math.isfinite(limit):
-            share = np.minimum(np.abs(self._fixed[which]["limit"][:, 0]), 1.0)
-            noise = noise * np.maximum(self.balance.excess(limit) / noise, 1.0) ** share
+        if math.isfinite(acting.limit) or acting.clipped:
+            share = self.hidden(which, node[-3])
+            noise = noise * EXACT**share
+            if not acting.clipped:
+                share = np.minimum(np.abs(self._fixed[which]["limit"][:, 0]), 1.0)
+            noise = noise * np.maximum(self.balance.excess(acting) / noise, 1.0) ** share
         return self.spread[which, node[-3]] - float(np.sum(np.log(noise)))
+
+    def hidden(self, which: int, acting: int) -> Array:
+        """Return the share of the force that a sensor hides at the rows, as forces act (n,)."""
+        return self.balance.rows(which).hidden * self.actings[acting].clipped
 
     def design(self, which: int, memory: int) -> Design:
         """Return the columns at the rows of a cutoff with a bristle."""
@@ -812,8 +820,11 @@ class RecordModel(Model):
         """
         now = self.balance.acting
         result = [] if now.delay else [self._delayed(columns)]
-        if self.balance.driven and not math.isfinite(now.limit):
+        if self.balance.driven and not (math.isfinite(now.limit) or now.clipped):
             result.append(self._limited(columns))
+            if self.balance.clips:  # the posterior tells
+                self.balance.reveal()
+                result.append((replace(now, clipped=True), math.inf))
         for acting, gain in result:
             likelier = KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0
             if likelier and acting not in self.actings:
@@ -856,7 +867,7 @@ class RecordModel(Model):
             y = balance.response(MIDDLE, replace(balance.acting, limit=limit))
             noise = math.sqrt(min(capped(of(y)[1]) for of in solvers)) + TINY
             above = float(np.minimum(np.abs(balance.above(MIDDLE, limit)), 1.0).sum())
-            wider = max(balance.excess(limit) / noise, 1.0)
+            wider = max(balance.excess(Acting(limit=limit)) / noise, 1.0)
             return -count * math.log(noise) - above * math.log(wider)
 
         largest = max(float(np.max(np.abs(piece.given.force))) for piece in balance.pieces)
@@ -983,7 +994,9 @@ class RecordModel(Model):
         node = search.best
         law = search.law_at(node)
         left, count = self._left(search, node, law)
-        noise = self._noise(self.key(node)[0], left, self.memory(node))
+        which = self.key(node)[0]
+        shown = self.hidden(which, node[-3]) < 0.5
+        noise = self._noise(which, np.where(shown, left, math.nan), self.memory(node))
         self._weigh(node, left, noise, law, count)
         return node
 
@@ -1048,7 +1061,7 @@ class RecordModel(Model):
         of = self.classes(self.balance, which, noise)
         sizes = np.zeros(SPEEDS + len(NEAR) + len(LACKING))
         for k in range(len(sizes)):
-            e = np.abs(left[of == k])
+            e = np.abs(left[(of == k) & np.isfinite(left)])
             if len(e) >= FEWEST:
                 middle = float(np.median(e))
                 tail = math.sqrt(float(np.mean(np.minimum(e, 6.0 * middle) ** 2)))
@@ -1058,13 +1071,19 @@ class RecordModel(Model):
         sizes = np.maximum(sizes, self._rounding(which))
         pieces = np.ones(len(self.balance.pieces))
         if len(pieces) > 1:
-            z = np.minimum((left / sizes[of]) ** 2, 9.0)
+            z = np.nan_to_num(np.minimum((left / sizes[of]) ** 2, 9.0))
             pieces = np.array(
                 [math.sqrt(float(np.mean(z[rows.piece == k])) if (rows.piece == k).any() else 1.0)
                  for k in range(len(pieces))]
             )  # fmt: skip
             pieces = np.clip(pieces / math.sqrt(float(np.mean(pieces**2))), 0.4, 2.5)
         return replace(noise, deviations=sizes, pieces=pieces)
+
+    def _noises(self, which: int, noise: Noise, acting: int) -> Array:
+        """Return the noise of the rows of a cutoff as forces act (n,) [N]."""
+        size = noise.deviations[self.classes(self.balance, which, noise)]
+        size = size * noise.pieces[self.balance.rows(which).piece]
+        return np.asarray(size / EXACT ** self.hidden(which, acting))
 
     def _rounding(self, which: int) -> float:
         """Return the least noise of the rows of a cutoff [N]."""
@@ -1076,9 +1095,7 @@ class RecordModel(Model):
     ) -> None:
         """Weigh the rows of the cutoff of a node by what is left of them, as forces act there."""
         which, memory = self.key(node)
-        rows = self.balance.rows(which)
-        size = noise.deviations[self.classes(self.balance, which, noise)]
-        size = size * noise.pieces[rows.piece]
+        size = self._noises(which, noise, node[-3])
         z = np.abs(left / size)
         tail = math.sqrt((TAIL + 1.0) / (TAIL + FAR_OUT**2))
         kept = np.where(z > FAR_OUT, np.sqrt((TAIL + 1.0) / (TAIL + z**2)) / tail, 1.0)
@@ -1086,7 +1103,8 @@ class RecordModel(Model):
         self.spread[which, node[-3]] = float(np.sum(odd))
         weights = kept / size
         scaled = left * weights
-        free = max(rows.count - count, 0.5 * rows.count)
+        shown = float(np.sum(1.0 - self.hidden(which, node[-3])))
+        free = max(shown - count, 0.5 * shown)
         unit = math.sqrt(float(np.sum(scaled**2)) / free) + 1e-300
         self.kappas[which] = self._share(which, memory, law, scaled, weights)
         self.weights[which, node[-3]] = np.minimum(weights / unit, 1.0 / self._rounding(which))
@@ -1214,9 +1232,7 @@ class RecordModel(Model):
         result = [(*item[:-1], which) for which in self.cutoffs for item in (*every, node)]
         for own in result:
             if (which := own[-1]) != MIDDLE:
-                rows = self.balance.rows(which)
-                size = usual.deviations[self.classes(self.balance, which, usual)]
-                self.weights[which, own[-3]] = 1.0 / (size * usual.pieces[rows.piece])
+                self.weights[which, own[-3]] = 1.0 / self._noises(which, usual, own[-3])
                 self.spread[which, own[-3]], self.kappas[which] = 0.0, self.kappas[MIDDLE]
                 self._again(self._here(own))
         return result
@@ -1327,6 +1343,7 @@ def odds_of(acting: Acting) -> float:
     each = {
         len(DELAYS) * len(ORDERS): acting.delay != 0.0,
         len(LIMITS): math.isfinite(acting.limit),
+        1: acting.clipped,
     }
     return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)
 

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
-from stickslip.identify.fits import SURE
-from stickslip.identify.problems.record_signals import Filter, Record, followed
+from stickslip.identify.fits import SURE, play
+from stickslip.identify.problems.record_signals import Filter, Record
 
 Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
@@ -68,7 +68,7 @@ AWAY = 2.5
 """Distance from rests, over 1/cutoff."""
 LEAST, FEWEST = 0.05, 25
 """Part of the samples, or rows, that must be away from rests; else those not at rest are rows, or
-all."""
+all. More samples than these stand beside their like where a sensor clips."""
 ENDS, ENDS_MEASURED = 2.0, 0.5
 """Distance from the ends, over 1/cutoff: of a balance, and of friction that was measured."""
 WAY, WAY_MEASURED = 0.1, 0.8
@@ -95,7 +95,7 @@ MOMENT = 2
 OTHER_UNIT = 0.3
 """Inertia that the motion shows, over that given, below which that is in another unit."""
 ROUNDED = 1e-12
-"""Range of positions over their size up to which nothing moves."""
+"""Range of positions over their size up to which nothing moves, and of forces that are equal."""
 
 
 def checked(records: Sequence[Record]) -> None:
@@ -306,6 +306,8 @@ class Acting:
     below 0, what acts else. 0 if all frequencies are as late."""
     limit: float = math.inf
     """Force above which no more acts [N]."""
+    clipped: bool = False
+    """Whether more acts than recorded where the sensor shows as much as it can."""
 
     def passes(self, frequency: Array) -> Array:
         """Return the share of frequencies (n,) [Hz] that acts, of what was recorded.
@@ -339,6 +341,8 @@ class Piece:
     """Middle cutoff [Hz]."""
     every: int
     """Samples from one of the finer rows to the next."""
+    hidden: Array | float = 0.0
+    """Force above what its sensor shows, about, if that clips (n,) [N]."""
     wider: float = WIDER
     """Band of the velocity over that of the rows. At a turn the acceleration jumps with the
     friction: a narrow band turns it at another time, and a wide one has noise."""
@@ -358,9 +362,23 @@ class Piece:
         """How much later a force acts than recorded as it may hold until the next sample [s]."""
         return 0.5 * self.sample * self.given.held
 
-    def acted(self, limit: float) -> Array:
-        """Return what acts of the forces below a limit (n,) [N]: before means are taken."""
-        return means(np.clip(self.given.force, -limit, limit), round(self.step / self.sample))
+    def acted(self, acting: Acting) -> Array:
+        """Return the forces that act, but for their delay (n,) [N]: limited before means."""
+        limit, count = acting.limit, round(self.step / self.sample)
+        return means(np.clip(self.given.force, -limit, limit), count) + acting.clipped * self.hidden
+
+    @cached_property
+    def clipped(self) -> Array:
+        """Share of the samples at an end of the range of forces, with its sign (n,).
+
+        Of single samples and their like at either end none are: peaks are no limits of a sensor.
+        """
+        force, result = self.given.force, np.zeros(len(self.given.force))
+        for side, end in ((-1.0, np.min(force)), (1.0, np.max(force))):
+            equal = side * force >= side * end - ROUNDED * abs(end)
+            if np.sum(equal[1:] & equal[:-1]) > FEWEST and side * end > 0.0:
+                result[equal] = side
+        return means(result, round(self.step / self.sample))
 
     def above(self, limit: float) -> Array:
         """Return shares of the samples whose force is above a limit, with its sign (n,)."""
@@ -441,7 +459,7 @@ class Piece:
         """Return positions that a band over the cutoff lets pass, without chatter (n,)."""
         chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * wider * self.cutoff, 1.0))
         smooth = self.filters[MIDDLE](self.record.position, bent=True, wider=wider, full=True)
-        return followed(smooth, chatter)
+        return play(smooth, chatter)
 
     def along(self, length: float) -> Array:
         """Return the way of a bristle (n,): with less of the filter where noise is short of it."""
@@ -611,7 +629,7 @@ class BalanceRows:
         for piece, pick in zip(self.pieces, self.picks, strict=True):
             band, step = piece.filters[self.which].band, piece.step
             third = np.zeros_like(piece.record.force)
-            third[1:-2] = np.diff(piece.acted(self.acting.limit), 3) ** 2 / THIRD
+            third[1:-2] = np.diff(piece.acted(self.acting), 3) ** 2 / THIRD
             width = max(round(1.0 / band / step), 1)
             here = uniform_filter1d(uniform_filter1d(third, width), width)[pick * piece.every]
             by_place = piece.record.velocity is None
@@ -619,6 +637,12 @@ class BalanceRows:
             of_inertia = inertia * noise * _derived(step, band, 2 if by_place else 1)
             result.append(_derived(step, band, 0) ** 2 * here + of_inertia**2)
         return np.asarray(np.sqrt(np.concatenate(result)))
+
+    @cached_property
+    def hidden(self) -> Array:
+        """Share of the force that is hidden if its sensor clips (n,)."""
+        parts = [piece.clipped for piece in self.pieces]
+        return np.minimum(np.abs(self.seen(parts, acting=self.acting)), 1.0)
 
     @cached_property
     def acceleration(self) -> Array:
@@ -646,7 +670,7 @@ class BalanceRows:
 
     def driven(self, acting: Acting, slope: int = 0) -> Array:
         """Return recorded forces as they act (n,) [N], derived `slope` times."""
-        forces = [piece.acted(acting.limit) for piece in self.pieces]
+        forces = [piece.acted(acting) for piece in self.pieces]
         return self.seen(forces, slope=slope, acting=acting)
 
     @cached_property

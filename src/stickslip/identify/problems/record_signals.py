@@ -421,21 +421,6 @@ def noise_of(x: Array) -> float:
     return max(least / math.sqrt(12.0) if even else 0.0, quiet, 1e-9 * range_)
 
 
-def followed(path: Array, reach: float) -> Array:
-    """Return positions (n,) that stay where they are within a reach: what play does.
-
-    Examples
-    --------
-    >>> followed(np.array([0.0, 1.0, 3.0, 2.0, -2.0]), 1.0).tolist()
-    [0.0, 0.0, 2.0, 2.0, -1.0]
-    """
-    at, result = float(path[0]), []
-    for x in path.tolist():
-        at = x - reach if at < x - reach else x + reach if at > x + reach else at
-        result.append(at)
-    return np.array(result)
-
-
 def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:
     """Return the state (n,) in [-1, 1] of a bristle along a way, from its state at the start.
 

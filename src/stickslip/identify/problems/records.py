@@ -695,7 +695,7 @@ class RecordProblem(Problem):
             if name in self.model.names and not (name == "force" and self._one_way)
         ]
         result += [self._delay(draws)] if "delay" in self.model.names else []
-        result += self._given(draws) + self._limit(draws)
+        result += self._given(draws) + self._limit(draws) + self._clipped()
         inputs = [*self.model.frame.inputs]
         result += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
         for name in inputs if len(self.model.frame.sides) > 1 else ():
@@ -961,6 +961,19 @@ class RecordProblem(Problem):
         what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
         what = f"{what}: the drive saturates."
         return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
+
+    def _clipped(self) -> list[Finding]:
+        """Return how often the sensor of the force shows as much as it can, if more acts then."""
+        acts, pieces = [item.clipped for item in self.model.actings], self.model.balance.pieces
+        share = np.abs(np.concatenate([piece.clipped for piece in pieces])).mean(keepdims=True)
+        most = max(float(np.max(np.abs(piece.given.force))) for piece in pieces)
+        shown = quantity(most, "N m" if self.turning else "N", 3)
+        what = (
+            f"The sensor of the force shows no more than {shown}, as in"
+            f" {percent(float(share[0]))} of the samples, where more acts: as the motion needs."
+        )
+        likely = min(float(self.posterior.scale("acting")[acts].sum()), 1.0)
+        return [stated("clipping", "sensor that clips", likely, share, what)]
 
     def _late(self, draws: Sequence[Draws]) -> Array:
         """Return draws of how much later the force acts than recorded (n,) [s]."""
