@@ -54,7 +54,7 @@ from stickslip.identify.fits import (
     segments_of,
 )
 from stickslip.identify.forces import TRANSMITTED, with_gear
-from stickslip.identify.judgement import DRAWS, Candidates, Problem
+from stickslip.identify.judgement import DRAWS, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
 from stickslip.identify.posterior import (
@@ -80,6 +80,7 @@ from stickslip.identify.problems.free_runs import (
     STRAIGHT,
     Number,
     alike,
+    inverse,
     knots_of,
     leja,
     nested,
@@ -91,10 +92,15 @@ from stickslip.identify.problems.free_runs import (
 from stickslip.identify.problems.record_checks import LIFTED, plain_columns
 from stickslip.identify.problems.record_columns import Balance, through_gear
 from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
-from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
+from stickslip.identify.problems.record_model import (
+    BELOW,
+    KAPPA,
+    laws_of,
+)
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import (
     ASKED,
+    NEGLIGIBLE,
     PLACES,
     RecordProblem,
     candidates_of,
@@ -107,7 +113,7 @@ from stickslip.identify.vocabulary import SIGNED, Grid
 from stickslip.maths import Scalar, where
 from stickslip.mechanisms import Mechanism, motor_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
-from stickslip.show.formatting import joined, parameter_words
+from stickslip.show.formatting import joined, parameter_words, quantity
 
 PRIOR = 0.5
 """Standard deviation of the logarithm of a parameter about the value that was given of it."""
@@ -133,6 +139,8 @@ QUICK = 0.995
 """Part of the readings that are slower than the fastest speed."""
 DECADES = 100.0
 """Range of speeds at most."""
+WRONG, WRONG_PRIOR = (0.0005, 0.03, 0.1), (0.95, 0.03, 0.02)
+"""By how much a constant of the rig may not be as given, as a share, and the prior."""
 FOLLOWING = 5
 """Size with which runs that follow are looked for."""
 LEVELS = tuple(np.geomspace(0.01, 2.0, 16).tolist())
@@ -354,6 +362,8 @@ class DrivenRuns:
     rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
     beside: Beside | None = None
     doubts: Mapping[str, float] = field(default_factory=dict)
+    constants: tuple[str, ...] = ()
+    """Paths of what is given of the rig and may be wrong, which is doubtful, too."""
 
     @property
     def items(self) -> tuple[FreeParameter, ...]:
@@ -392,14 +402,46 @@ class DrivenRuns:
         """Return a mechanism with the values that fit best."""
         return vary(mechanism, "mechanism", {path: self.rig[path] for path in self.sought})
 
+    @property
+    def _known(self) -> _WithPrior:
+        """The runs with what was given of the mechanism, for a deviation of 1."""
+        given = np.array([self.given.get(item.path, 1.0) for item in self.items])
+        rows = np.zeros((0, len(given)))
+        return _WithPrior(runs=self.runs, given=given, sizes=self.sizes, rows=rows, deviation=1.0)
+
+    def begun(self) -> "DrivenRuns":
+        """Return runs of what drives itself that start at the level which leaves least.
+
+        A level decides at each rest whether the body breaks away, so that what is left has valleys.
+        After some impacts a run depends so much on friction that there is a valley for each
+        sequence of impacts, and the way down leads into the nearest. Before them there are few:
+        levels are tried on the first part of the records there, and the best is followed while more
+        is taken in.
+        """
+        runs, start = self.runs, self.runs.free_parameters.start
+        assert self.items[0].path == "friction.kinetic_coefficient"
+        has_stops = any(stops_of(segment.mechanism) for segment in runs.segments)
+        levels, shares = (CLOSE_LEVELS, SHARES) if has_stops else (LEVELS, ())
+        part = runs.shortened(shares[0]) if shares else runs
+        tried = [np.array([level, *start[1:]]) for level in levels]
+        tried.append(start)
+        least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
+        for share in shares:
+            part = runs.shortened(share)
+            least = part.linearise(least.values, least)
+            prior = replace(self._known, runs=part, deviation=least.rms / math.sqrt(KAPPA))
+            end = improve(prior, least.values, rounds=ROUNDS_OF_PART, least=0.0, near=least)
+            least = part.linearise(end.values, end)
+        if shares and least.finite:
+            runs = runs.starting_from(least)
+        runs = runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
+        return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
     def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
         """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
         best, share = self.seen, self.share
-        own = [self.given.get(item.path, 1.0) for item in self.items]
-        rows = np.zeros((0, len(own))) if rows is None else rows
-        known = _WithPrior(
-            runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
-        )
+        rows = np.zeros((0, len(self.items))) if rows is None else rows
+        known = replace(self._known, rows=rows)
         for _ in range(rounds):
             if not best.finite or not share:
                 break
@@ -410,7 +452,7 @@ class DrivenRuns:
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
-        freedom = max(len(best.residual) - len(own), 1)
+        freedom = max(len(best.residual) - len(self.items), 1)
         error = math.sqrt(best.cost / freedom)
         return replace(self, seen=best, share=share, error=error, rows=rows)
 
@@ -465,11 +507,16 @@ class DrivenRuns:
         return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
 
     def root(self, size: float = SIZES[FOLLOWING]) -> Array:
-        """Return a root of the covariance of what is unknown (p, p), with friction of a size."""
-        has_prior, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
+        """Return a root of the covariance of what is unknown (p, p), with friction of a size.
+
+        Constants of the rig are as given.
+        """
+        given = [item.path in self.constants for item in self.items]
+        sizes = np.where(given, WRONG[0], self.sizes)
+        has_prior, rows = np.isfinite(sizes), self.rows * (SIZES[FOLLOWING] / size)
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
         precision = slopes.T @ slopes + rows.T @ rows
-        deviations = self.sizes[has_prior] * self.seen.values[has_prior]
+        deviations = sizes[has_prior] * self.seen.values[has_prior]
         precision[has_prior, has_prior] += deviations**-2.0
         units = np.sqrt(np.diag(precision)) + 1e-300
         values, axes = np.linalg.eigh(precision / units / units[:, None])
@@ -579,15 +626,21 @@ def followed(
     if any(known[path] <= 0.0 for path in doubts):
         return None
     start = _start_of(mechanism, measurement)
+    constants = constants_of(mechanism, measurement, (*unknown, *doubts))
     if offset and OFFSET in known and OFFSET not in (*unknown, *doubts) and start.both_ways:
         unknown = (*unknown, OFFSET)
-    runs = _runs_of(mechanism, measurement, start, (*unknown, *doubts), doubts, hold)
+    named = (*unknown, *doubts, *constants)
+    runs = _runs_of(mechanism, measurement, start, named, (*doubts, *constants), hold)
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
-        given={path: known.get(path, 0.0) for path in (*unknown, *doubts)},
-        doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()},
-    ).settled()
+        given={path: known.get(path, 0.0) for path in named},
+        doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()}
+        | dict.fromkeys(constants, WRONG[-1]),
+        constants=constants,
+    )
+    first = first.begun() if drives_itself(mechanism, measurement) else first
+    first = first.settled()
     if not first.seen.finite or not first.share:
         return None
     rig = first.on(mechanism)
@@ -595,6 +648,24 @@ def followed(
     beside = beside_law(first.law, records, start.load)
     result = first.with_curve(beside) if beside.size > 0.0 else None
     return result if result is not None and result.seen.finite and result.share else None
+
+
+def constants_of(
+    mechanism: Mechanism, measurement: Measurement, known: Collection[str]
+) -> tuple[str, ...]:
+    """Return paths of what is given of a rig and may be wrong: its own numbers and its motor's.
+
+    They are above 0, as masses, lengths, springs and constants of a motor are.
+    """
+    motor = None if motor_of(mechanism) is None else "drive"
+    anew = {path for record in measurement.records() for path in record.overrides}
+    return tuple(
+        path
+        for path, _, x in parameters(mechanism, "mechanism")
+        for _, *within, name in [path.split(".")]
+        if x > 0.0 and within in ([], [motor]) and name != "gravity"
+        and path not in {*known, *anew, OFFSET}
+    )  # fmt: skip
 
 
 def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
@@ -685,38 +756,13 @@ def _runs_of(
                 high=WIDE * x if log else min(item.high, far),
             )
         )  # fmt: skip
-    runs = Shooting(
+    return Shooting(
         law=CoulombViscous(**{name: items[k].start for k, name in enumerate(starts)}),
         free_parameters=FreeParameters(tuple(items)),
         segments=segments_of(mechanism, measurement, hold=hold or "zero"),
         quantity=measured_quantity(measurement),
         steps=STEPS,
     )
-    return _begun(runs) if drives_itself(mechanism, measurement) else runs
-
-
-def _begun(runs: Shooting) -> Shooting:
-    """Return runs of what drives itself that start at the level which leaves least.
-
-    A level decides at each rest whether the body breaks away, so that what is left has valleys.
-    After some impacts a run depends so much on friction that there is a valley for each sequence of
-    impacts, and the way down leads into the nearest. Before them there are few: levels are tried on
-    the first part of the records there, and the best is followed while more is taken in.
-    """
-    path, start = runs.free_parameters.items[0].path, runs.free_parameters.start
-    assert path == "friction.kinetic_coefficient"
-    has_stops = any(stops_of(segment.mechanism) for segment in runs.segments)
-    levels, shares = (CLOSE_LEVELS, SHARES) if has_stops else (LEVELS, ())
-    part = runs.shortened(shares[0]) if shares else runs
-    tried = [np.array([level, *start[1:]]) for level in levels]
-    tried.append(start)
-    least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
-    for share in shares:
-        part = runs.shortened(share)
-        least = improve(part, least.values, rounds=ROUNDS_OF_PART, least=0.0, near=least)
-    if shares and least.finite:
-        runs = runs.starting_from(least)
-    return runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
 
 
 class DrivenModel(Model):
@@ -726,7 +772,6 @@ class DrivenModel(Model):
     but where it may be 0.
     """
 
-    scales = (Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),)
     signed = SIGNED
 
     def __init__(self, runs: DrivenRuns, plain: RecordProblem) -> None:
@@ -760,7 +805,34 @@ class DrivenModel(Model):
         self._rig_deviations: Array = np.where(
             self.logs, runs.sizes[:count], np.maximum(wide, least)
         )
-        self.deviations = np.concatenate([np.ones(len(knots)), self._rig_deviations])
+        self.told = [path for path in runs.constants if self._is_told(path)]
+        """What is given of the rig and runs tell."""
+        self.scales = (
+            Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),
+            *(Scale(name=path, values=WRONG, prior=WRONG_PRIOR) for path in self.told),
+        )
+
+    def _is_told(self, path: str) -> bool:
+        """Return whether runs tell a constant of the rig better than its prior, alone.
+
+        Others are as given: so is what counts in their units.
+        """
+        count = len(self.beside.root)
+        covariance = np.diag(np.append(np.zeros(count), self._rig_deviations**2))
+        covariance[:count, :count] = COEFFICIENT**2 * self.beside.root @ self.beside.root.T
+        others = [name not in self.runs.constants for name in self.paths]
+        at = [*np.flatnonzero([*[True] * count, *others]), count + self.paths.index(path)]
+        precision = self.gram[:-1, :-1] + inverse(covariance)
+        return bool(2.0 * inverse(precision[np.ix_(at, at)])[-1, -1] < WRONG[-1] ** 2)
+
+    def _deviations(self, node: Node) -> Array:
+        """Return deviations of what is unknown of the rig before the runs (p,)."""
+        result = self._rig_deviations.copy()
+        sizes = dict(zip(self.told, node[1:], strict=True))
+        for k, path in enumerate(self.paths):
+            if path in self.runs.constants:
+                result[k] = WRONG[sizes.get(path, 0)]
+        return result
 
     def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
         """Return the same for laws that are no sums of parts."""
@@ -768,8 +840,8 @@ class DrivenModel(Model):
         result.signed, result.certain = self.signed | signed_of(own), certain_of(own)
         return result
 
-    def settled(self, structure: Structure, size: float) -> Structure:
-        """Return a law of any form about the values that are likeliest, with a size of the rest.
+    def settled(self, structure: Structure, node: Node) -> Structure:
+        """Return a law of any form about the values that are likeliest at a node.
 
         Runs are linear in the curve, but the curve is not in the values.
         """
@@ -777,9 +849,10 @@ class DrivenModel(Model):
         if not law.varied:
             return structure
         count = len(self.beside.root)
-        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(self._before), hermitian=True)
+        before = np.concatenate([np.zeros(count), self._deviations(node) ** -2.0])
+        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(before), hermitian=True)
         middle = (covariance @ self.gram[:-1, -1])[:count]
-        root = size * self.beside.root
+        root = SIZES[node[0]] * self.beside.root
         values, vectors = np.linalg.eigh(covariance[:count, :count] + root @ root.T)
         weights = (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1]))).T
 
@@ -795,11 +868,6 @@ class DrivenModel(Model):
         start = np.clip(law.values, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
         end = least_squares(left, start, bounds=(low, high), x_scale=np.maximum(scale, 1e-12))
         return law.structure(end.x.tolist())
-
-    @property
-    def _before(self) -> Array:
-        """Precisions of the unknowns before the runs (m,): none of friction."""
-        return np.concatenate([np.zeros(len(self.beside.root)), self._rig_deviations**-2.0])
 
     def at_knots(self, law: FrictionLaw) -> Array:
         """Return a law at the knots (m,)."""
@@ -854,8 +922,9 @@ class DrivenModel(Model):
         if columns:
             turn[:knots, m : m + p] = np.column_stack([*map(self.share, columns)]) * sizes
         turn[m, m + p] = 1.0
+        deviations = np.concatenate([np.ones(knots), self._deviations(node)])
         return System(
-            gram=turn.T @ self.gram @ turn, deviations=self.deviations, volume=0.0, sizes=sizes
+            gram=turn.T @ self.gram @ turn, deviations=deviations, volume=0.0, sizes=sizes
         )
 
 
@@ -890,25 +959,27 @@ class DrivenProblem(Problem):
 
     def _judged(self, model: DrivenModel) -> Posterior:
         laws = dict(laws_of(self.grid, [(), *self.laws]))
-        return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, (FOLLOWING,))
+        begin = (FOLLOWING, *(0 for _ in model.told))
+        return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, begin)
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "DrivenProblem":
         result = copy.copy(self)
         result.restricted = True
         result.laws = [*dict.fromkeys(map(parts_of, families))]
-        sizes = [0.0] * len(own)
+        _, *rig = self.posterior.nodes[int(np.argmax(self.posterior.weights.sum(axis=1)))]
+        nodes: list[Node] = [(0, *rig)] * len(own)
         for _ in range(ROUNDS):
-            result.own = tuple(map(self.model.settled, own, sizes))
+            result.own = tuple(map(self.model.settled, own, nodes))
             result.posterior = result._judged(self.model.with_laws(result.own))
-            before, sizes = sizes, [*map(result._size_beside, result.own)]
-            if sizes == before:
+            before, nodes = nodes, [*map(result._likeliest, result.own)]
+            if nodes == before:
                 break
         return result
 
-    def _size_beside(self, structure: Structure) -> float:
-        """Return the likeliest size of what a law lacks."""
+    def _likeliest(self, structure: Structure) -> Node:
+        """Return the likeliest node of a law."""
         own = self.posterior.weights[:, self.posterior.structures.index(structure)]
-        return SIZES[self.posterior.nodes[int(np.argmax(own))][0]]
+        return self.posterior.nodes[int(np.argmax(own))]
 
     @property
     def model(self) -> DrivenModel:
@@ -1052,6 +1123,19 @@ class DrivenProblem(Problem):
         result = self.model.rig(draws)
         if OFFSET in result:
             result[self.plain.offset or OFFSET] = result.pop(OFFSET)
+        return result
+
+    def findings(self, draws: Sequence[Draws]) -> list[Finding]:
+        result = []
+        away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
+        for path in self.model.told:
+            factor = np.exp(away[self.model.paths.index(path)])
+            ends = [quantity(x, "", 3) for x in np.quantile(factor, (0.5, 0.025, 0.975)).tolist()]
+            name = parameter_words(path)
+            what = "The {} is {} times as given ({} to {}).".format(name, *ends)
+            likely = float(np.mean(np.abs(factor - 1.0) > NEGLIGIBLE))
+            title = f"{name} larger or smaller than given"
+            result.append(stated(f"{name}_given", title, likely, factor - 1.0, what))
         return result
 
     def points(self, rung: Rung) -> MeasuredPoints:

@@ -64,7 +64,7 @@ from stickslip.identify.posterior import (
     System,
     family_of,
 )
-from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, SCALES
+from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, NODES, SCALES
 from stickslip.identify.simulated import ROUNDS, SETTLED
 from stickslip.identify.vocabulary import PARTS, SIGNED, Grid
 from stickslip.maths import Scalar, log, where
@@ -779,8 +779,8 @@ def refined_shapes(
 
 
 def _weighed(model: Model, laws: "dict[Structure, float]", begin: Node) -> Posterior:
-    every = math.prod(len(scale.values) for scale in model.scales)
-    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[begin], most=every)
+    most = min(math.prod(len(scale.values) for scale in model.scales), NODES)
+    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[begin], most=most)
 
 
 def _refined(
