@@ -80,7 +80,6 @@ from stickslip.identify.problems.free_runs import (
     STRAIGHT,
     Number,
     alike,
-    inverse,
     knots_of,
     leja,
     nested,
@@ -504,15 +503,32 @@ class DrivenRuns:
         rig = np.array([*self.rig.values(), surplus])
         rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
-        return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
+        result = result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
+        told = tuple(path for path in self.constants if result._is_told(path))
+        sizes = {path: WRONG[-1 if path in told else 0] for path in self.constants}
+        result = replace(result, doubts={**result.doubts, **sizes}, constants=told)
+        return result.settled(result.rows, ROUNDS)
 
-    def root(self, size: float = SIZES[FOLLOWING]) -> Array:
+    def _is_told(self, path: str) -> bool:
+        """Return whether runs tell a constant of the rig better than its prior, others as given.
+
+        What they do not tell is as given: in its units all else counts.
+        """
+        place = [item.path for item in self.items].index(path)
+        left = np.sum(self.root(COEFFICIENT, path)[place] ** 2) / self.seen.values[place] ** 2
+        return bool(2.0 * left < WRONG[-1] ** 2)
+
+    def root(self, size: float = SIZES[FOLLOWING], doubted: str = "") -> Array:
         """Return a root of the covariance of what is unknown (p, p), with friction of a size.
 
-        Constants of the rig are as given.
+        Constants of the rig are as given, but for what is doubted.
         """
-        given = [item.path in self.constants for item in self.items]
-        sizes = np.where(given, WRONG[0], self.sizes)
+        sizes = np.array(
+            [
+                WRONG[-1 if item.path == doubted else 0] if item.path in self.constants else size
+                for item, size in zip(self.items, self.sizes.tolist(), strict=True)
+            ]
+        )
         has_prior, rows = np.isfinite(sizes), self.rows * (SIZES[FOLLOWING] / size)
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
         precision = slopes.T @ slopes + rows.T @ rows
@@ -631,16 +647,17 @@ def followed(
         unknown = (*unknown, OFFSET)
     named = (*unknown, *doubts, *constants)
     runs = _runs_of(mechanism, measurement, start, named, (*doubts, *constants), hold)
+    # a plain law would have the rig stand for what it lacks
+    own = drives_itself(mechanism, measurement)
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
         given={path: known.get(path, 0.0) for path in named},
         doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()}
-        | dict.fromkeys(constants, WRONG[-1]),
+        | dict.fromkeys(constants, WRONG[-1 if own else 0]),
         constants=constants,
     )
-    first = first.begun() if drives_itself(mechanism, measurement) else first
-    first = first.settled()
+    first = (first.begun() if own else first).settled()
     if not first.seen.finite or not first.share:
         return None
     rig = first.on(mechanism)
@@ -805,33 +822,16 @@ class DrivenModel(Model):
         self._rig_deviations: Array = np.where(
             self.logs, runs.sizes[:count], np.maximum(wide, least)
         )
-        self.told = [path for path in runs.constants if self._is_told(path)]
-        """What is given of the rig and runs tell."""
         self.scales = (
             Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),
-            *(Scale(name=path, values=WRONG, prior=WRONG_PRIOR) for path in self.told),
+            *(Scale(name=path, values=WRONG, prior=WRONG_PRIOR) for path in runs.constants),
         )
-
-    def _is_told(self, path: str) -> bool:
-        """Return whether runs tell a constant of the rig better than its prior, alone.
-
-        Others are as given: so is what counts in their units.
-        """
-        count = len(self.beside.root)
-        covariance = np.diag(np.append(np.zeros(count), self._rig_deviations**2))
-        covariance[:count, :count] = COEFFICIENT**2 * self.beside.root @ self.beside.root.T
-        others = [name not in self.runs.constants for name in self.paths]
-        at = [*np.flatnonzero([*[True] * count, *others]), count + self.paths.index(path)]
-        precision = self.gram[:-1, :-1] + inverse(covariance)
-        return bool(2.0 * inverse(precision[np.ix_(at, at)])[-1, -1] < WRONG[-1] ** 2)
 
     def _deviations(self, node: Node) -> Array:
         """Return deviations of what is unknown of the rig before the runs (p,)."""
         result = self._rig_deviations.copy()
-        sizes = dict(zip(self.told, node[1:], strict=True))
-        for k, path in enumerate(self.paths):
-            if path in self.runs.constants:
-                result[k] = WRONG[sizes.get(path, 0)]
+        for path, k in zip(self.runs.constants, node[1:], strict=True):
+            result[self.paths.index(path)] = WRONG[k]
         return result
 
     def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
@@ -959,7 +959,7 @@ class DrivenProblem(Problem):
 
     def _judged(self, model: DrivenModel) -> Posterior:
         laws = dict(laws_of(self.grid, [(), *self.laws]))
-        begin = (FOLLOWING, *(0 for _ in model.told))
+        begin = (FOLLOWING, *(0 for _ in model.runs.constants))
         return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, begin)
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "DrivenProblem":
@@ -1128,7 +1128,7 @@ class DrivenProblem(Problem):
     def findings(self, draws: Sequence[Draws]) -> list[Finding]:
         result = []
         away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
-        for path in self.model.told:
+        for path in self.following.constants:
             factor = np.exp(away[self.model.paths.index(path)])
             ends = [quantity(x, "", 3) for x in np.quantile(factor, (0.5, 0.025, 0.975)).tolist()]
             name = parameter_words(path)
