@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from stickslip.data import Measurement
+from stickslip.data import Measurement, interval_of
 from stickslip.errors import InputError
 from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
@@ -53,6 +53,7 @@ from stickslip.identify.fits import (
     measured_quantity,
     segments_of,
 )
+from stickslip.identify.fits.shooting.multiple_shooting import DELAY
 from stickslip.identify.forces import TRANSMITTED, with_gear
 from stickslip.identify.judgement import DRAWS, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
@@ -94,6 +95,9 @@ from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
 from stickslip.identify.problems.record_model import (
     BELOW,
     KAPPA,
+    OTHERWISE,
+    SCALES,
+    TIMED,
     laws_of,
 )
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -128,7 +132,7 @@ ROUNDING = 1e-14
 """Least eigenvalue of what is known over the largest: what is below is rounding."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
-STEPS = 10
+STEPS, STEPS_OF_START = 40, 10
 """Steps of the search, each time, and of an initial state at each: where a body sticks and slips
 there are many, and long."""
 KNOTS = 8
@@ -138,8 +142,8 @@ QUICK = 0.995
 """Part of the readings that are slower than the fastest speed."""
 DECADES = 100.0
 """Range of speeds at most."""
-WRONG, WRONG_PRIOR = (0.0005, 0.03, 0.1), (0.95, 0.03, 0.02)
-"""By how much a constant of the rig may not be as given, as a share, and the prior."""
+WRONG = (0.0005, 0.03, 0.1)
+"""By how much a constant of the rig may not be as given, as a share: any is with `OTHERWISE`."""
 FOLLOWING = 5
 """Size with which runs that follow are looked for."""
 LEVELS = tuple(np.geomspace(0.01, 2.0, 16).tolist())
@@ -149,8 +153,6 @@ CLOSE_LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
 """The same where there are hard stops: a twentieth more each."""
 SHARES = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of the records that are taken in one after the other there."""
-ROUNDS_OF_PART = 15
-"""Steps of the search on each."""
 OTHER = 4.0
 """Cost over that of runs that follow, beyond which others have left their valley."""
 FAST = 0.5
@@ -363,6 +365,8 @@ class DrivenRuns:
     doubts: Mapping[str, float] = field(default_factory=dict)
     constants: tuple[str, ...] = ()
     """Paths of what is given of the rig and may be wrong, which is doubtful, too."""
+    late: tuple[float, ...] = ()
+    """Sizes of the delay of what drives the runs, which is doubtful, too [s]; none if none is."""
 
     @property
     def items(self) -> tuple[FreeParameter, ...]:
@@ -405,7 +409,8 @@ class DrivenRuns:
     def _known(self) -> _WithPrior:
         """The runs with what was given of the mechanism, for a deviation of 1."""
         given = np.array([self.given.get(item.path, 1.0) for item in self.items])
-        rows = np.zeros((0, len(given)))
+        late = [[(item.path == DELAY) / self.late[-1] for item in self.items]] * bool(self.late)
+        rows = np.array(late).reshape(-1, len(given))
         return _WithPrior(runs=self.runs, given=given, sizes=self.sizes, rows=rows, deviation=1.0)
 
     def begun(self) -> "DrivenRuns":
@@ -429,7 +434,8 @@ class DrivenRuns:
             part = runs.shortened(share)
             least = part.linearise(least.values, least)
             prior = replace(self._known, runs=part, deviation=least.rms / math.sqrt(KAPPA))
-            end = improve(prior, least.values, rounds=ROUNDS_OF_PART, least=0.0, near=least)
+            gain = 2.0 * SETTLED * prior.deviation**2
+            end = improve(prior, least.values, rounds=STEPS, least=gain, near=least)
             least = part.linearise(end.values, end)
         if shares and least.finite:
             runs = runs.starting_from(least)
@@ -439,8 +445,9 @@ class DrivenRuns:
     def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
         """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
         best, share = self.seen, self.share
-        rows = np.zeros((0, len(self.items))) if rows is None else rows
-        known = replace(self._known, rows=rows)
+        known = self._known
+        rows = known.rows if rows is None else np.vstack([known.rows, rows])
+        known = replace(known, rows=rows)
         for _ in range(rounds):
             if not best.finite or not share:
                 break
@@ -507,7 +514,7 @@ class DrivenRuns:
         told = tuple(path for path in self.constants if result._is_told(path))
         sizes = {path: WRONG[-1 if path in told else 0] for path in self.constants}
         result = replace(result, doubts={**result.doubts, **sizes}, constants=told)
-        return result.settled(result.rows, ROUNDS)
+        return result.settled(result.rows[len(result.late) > 0 :], ROUNDS)
 
     def _is_told(self, path: str) -> bool:
         """Return whether runs tell a constant of the rig better than its prior, others as given.
@@ -529,7 +536,8 @@ class DrivenRuns:
                 for item, size in zip(self.items, self.sizes.tolist(), strict=True)
             ]
         )
-        has_prior, rows = np.isfinite(sizes), self.rows * (SIZES[FOLLOWING] / size)
+        has_prior, rows = np.isfinite(sizes), self.rows.copy()
+        rows[len(self.late) > 0 :] *= SIZES[FOLLOWING] / size
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
         precision = slopes.T @ slopes + rows.T @ rows
         deviations = sizes[has_prior] * self.seen.values[has_prior]
@@ -647,15 +655,24 @@ def followed(
         unknown = (*unknown, OFFSET)
     named = (*unknown, *doubts, *constants)
     runs = _runs_of(mechanism, measurement, start, named, (*doubts, *constants), hold)
+    late: tuple[float, ...] = ()
+    if all(segment.loop is None for segment in runs.segments):
+        step = max(interval_of(np.asarray(record.time)) for record in measurement.records())
+        late = tuple(step * (1.0 if hold is None else TIMED) * x for x in SCALES[DELAY][0])
+        item = FreeParameter(path=DELAY, quantity=Quantity("t", "s"), start=0.0)
+        free = FreeParameters((*runs.free_parameters.items, item))
+        runs = runs.with_free_parameters(free)
     # a plain law would have the rig stand for what it lacks
     own = drives_itself(mechanism, measurement)
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
-        given={path: known.get(path, 0.0) for path in named},
+        given={path: known.get(path, 0.0) for path in (*named, DELAY)},
         doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()}
-        | dict.fromkeys(constants, WRONG[-1 if own else 0]),
+        | dict.fromkeys(constants, WRONG[-1 if own else 0])
+        | {DELAY: 0.0},
         constants=constants,
+        late=late,
     )
     first = (first.begun() if own else first).settled()
     if not first.seen.finite or not first.share:
@@ -778,7 +795,7 @@ def _runs_of(
         free_parameters=FreeParameters(tuple(items)),
         segments=segments_of(mechanism, measurement, hold=hold or "zero"),
         quantity=measured_quantity(measurement),
-        steps=STEPS,
+        steps=STEPS_OF_START,
     )
 
 
@@ -802,7 +819,8 @@ class DrivenModel(Model):
         self.logs = np.array([item.log for item in items], dtype=bool)
         count, seen = len(items), runs.seen
         rig, given = seen.values[:count], np.array([runs.given[path] for path in self.paths])
-        self.given: Array = np.where(self.logs, given, rig)
+        at_given = self.logs | np.array([path == DELAY for path in self.paths])
+        self.given: Array = np.where(at_given, given, rig)
         """Values from which what is looked for of the mechanism counts (p,)."""
         of_rig = seen.slopes[:, :count] * np.where(self.logs, rig, 1.0)
         slopes = np.hstack([seen.slopes[:, count:] @ beside.table, of_rig])
@@ -810,7 +828,8 @@ class DrivenModel(Model):
         law = runs.runs.law
         assert isinstance(law, BesideLaw)
         knots = np.linalg.solve(beside.table, seen.values[count:]) + self.at_knots(law.law)
-        away = np.where(self.logs, np.log(rig / self.given), 0.0)
+        ratio = np.divide(rig, self.given, out=np.ones(count), where=self.logs)
+        away = np.where(self.logs, np.log(ratio), rig - self.given)
         self.x: Array = np.concatenate([knots, away])
         """The unknowns about which runs are linear (m,) ..."""
         self.slopes: Array = slopes
@@ -822,16 +841,19 @@ class DrivenModel(Model):
         self._rig_deviations: Array = np.where(
             self.logs, runs.sizes[:count], np.maximum(wide, least)
         )
+        wrong = OTHERWISE / max(len(runs.constants), 1)
+        prior = (1.0 - wrong, 0.5 * wrong, 0.5 * wrong)
         self.scales = (
             Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),
-            *(Scale(name=path, values=WRONG, prior=WRONG_PRIOR) for path in runs.constants),
+            *(Scale(name=path, values=WRONG, prior=prior) for path in runs.constants),
+            *[Scale(name=DELAY, values=runs.late, prior=SCALES[DELAY][1])] * bool(runs.late),
         )
 
     def _deviations(self, node: Node) -> Array:
         """Return deviations of what is unknown of the rig before the runs (p,)."""
         result = self._rig_deviations.copy()
-        for path, k in zip(self.runs.constants, node[1:], strict=True):
-            result[self.paths.index(path)] = WRONG[k]
+        for scale, k in zip(self.scales[1:], node[1:], strict=True):
+            result[self.paths.index(scale.name)] = scale.values[k]
         return result
 
     def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
@@ -959,7 +981,10 @@ class DrivenProblem(Problem):
 
     def _judged(self, model: DrivenModel) -> Posterior:
         laws = dict(laws_of(self.grid, [(), *self.laws]))
-        begin = (FOLLOWING, *(0 for _ in model.runs.constants))
+        others = range(1, len(model.scales))  # as given, and each alone far from that
+        alone = [tuple((len(WRONG) - 1) * (j == k) for j in others) for k in (0, *others)]
+        alone = alone[: 1 + len(model.runs.constants)]
+        begin = [(k, *node) for k in (FOLLOWING, 0) for node in alone]
         return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, begin)
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "DrivenProblem":
