@@ -114,7 +114,7 @@ from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
 from stickslip.identify.vocabulary import SIGNED, Grid
 from stickslip.maths import Scalar, where
-from stickslip.mechanisms import Mechanism, motor_of, stops_of
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.show.formatting import joined, parameter_words, quantity
 
@@ -146,13 +146,11 @@ WRONG = (0.0005, 0.03, 0.1)
 """By how much a constant of the rig may not be as given, as a share: any is with `OTHERWISE`."""
 FOLLOWING = 5
 """Size with which runs that follow are looked for."""
-LEVELS = tuple(np.geomspace(0.01, 2.0, 16).tolist())
-"""Levels over the load that are tried of what drives itself: a third more each, from rolling to
+LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
+"""Levels over the load that are tried of what drives itself: a twentieth more each, from rolling to
 rubber."""
-CLOSE_LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
-"""The same where there are hard stops: a twentieth more each."""
 SHARES = (0.1, 0.2, 0.35, 0.6, 1.0)
-"""Shares of the records that are taken in one after the other there."""
+"""Shares of the records that are taken in one after the other then."""
 OTHER = 4.0
 """Cost over that of runs that follow, beyond which others have left their valley."""
 FAST = 0.5
@@ -424,20 +422,18 @@ class DrivenRuns:
         """
         runs, start = self.runs, self.runs.free_parameters.start
         assert self.items[0].path == "friction.kinetic_coefficient"
-        has_stops = any(stops_of(segment.mechanism) for segment in runs.segments)
-        levels, shares = (CLOSE_LEVELS, SHARES) if has_stops else (LEVELS, ())
-        part = runs.shortened(shares[0]) if shares else runs
-        tried = [np.array([level, *start[1:]]) for level in levels]
+        part = runs.shortened(SHARES[0])
+        tried = [np.array([level, *start[1:]]) for level in LEVELS]
         tried.append(start)
         least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
-        for share in shares:
+        for share in SHARES:
             part = runs.shortened(share)
             least = part.linearise(least.values, least)
             prior = replace(self._known, runs=part, deviation=least.rms / math.sqrt(KAPPA))
             gain = 2.0 * SETTLED * prior.deviation**2
             end = improve(prior, least.values, rounds=STEPS, least=gain, near=least)
             least = part.linearise(end.values, end)
-        if shares and least.finite:
+        if least.finite:
             runs = runs.starting_from(least)
         runs = runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
         return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
@@ -658,7 +654,8 @@ def followed(
     late: tuple[float, ...] = ()
     if all(segment.loop is None for segment in runs.segments):
         step = max(interval_of(np.asarray(record.time)) for record in measurement.records())
-        late = tuple(step * (1.0 if hold is None else TIMED) * x for x in SCALES[DELAY][0])
+        timed = TIMED if hold is not None or drives_itself(mechanism, measurement) else 1.0
+        late = tuple(timed * step * x for x in SCALES[DELAY][0])
         item = FreeParameter(path=DELAY, quantity=Quantity("t", "s"), start=0.0)
         free = FreeParameters((*runs.free_parameters.items, item))
         runs = runs.with_free_parameters(free)
