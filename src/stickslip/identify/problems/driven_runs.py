@@ -12,6 +12,8 @@ are unknown: Newton's polynomials through values at `KNOTS` speeds beside a plai
 :math:`\tau_0`, over the size :math:`F` of friction. Each segment of the records starts as it fits
 best.
 
+0. Constants that are given of the rig have a prior about what was given, and what drives it a delay
+   of parts of a sample: nothing that is the same whatever a constant is frees it (`_is_told`).
 1. The plain law and :math:`\phi` are found by steps of Levenberg and Marquardt along the
    sensitivities of the engine, :math:`\log\phi` with a prior of deviation `PRIOR` about what was
    given. Steps end where they would raise the logarithm of the posterior by less than `SETTLED`.
@@ -132,9 +134,9 @@ ROUNDING = 1e-14
 """Least eigenvalue of what is known over the largest: what is below is rounding."""
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
-STEPS, STEPS_OF_START = 40, 10
-"""Steps of the search, each time, and of an initial state at each: where a body sticks and slips
-there are many, and long."""
+STEPS = 10
+"""Steps of an initial state, each time, and a quarter of those of the search: where a body sticks
+and slips there are many, and long."""
 KNOTS = 8
 """Speeds at which friction beside a law is free: about one for each e-fold that a servo has."""
 AT = leja(KNOTS)
@@ -431,7 +433,7 @@ class DrivenRuns:
             least = part.linearise(least.values, least)
             prior = replace(self._known, runs=part, deviation=least.rms / math.sqrt(KAPPA))
             gain = 2.0 * SETTLED * prior.deviation**2
-            end = improve(prior, least.values, rounds=STEPS, least=gain, near=least)
+            end = improve(prior, least.values, rounds=4 * STEPS, least=gain, near=least)
             least = part.linearise(end.values, end)
         if least.finite:
             runs = runs.starting_from(least)
@@ -450,7 +452,7 @@ class DrivenRuns:
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
             least = 2.0 * SETTLED * deviation**2
-            end = improve(prior, best.values, rounds=STEPS, least=least, near=best)
+            end = improve(prior, best.values, rounds=4 * STEPS, least=least, near=best)
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
@@ -792,7 +794,7 @@ def _runs_of(
         free_parameters=FreeParameters(tuple(items)),
         segments=segments_of(mechanism, measurement, hold=hold or "zero"),
         quantity=measured_quantity(measurement),
-        steps=STEPS_OF_START,
+        steps=STEPS,
     )
 
 
@@ -1001,7 +1003,8 @@ class DrivenProblem(Problem):
     def _likeliest(self, structure: Structure) -> Node:
         """Return the likeliest node of a law."""
         own = self.posterior.weights[:, self.posterior.structures.index(structure)]
-        return self.posterior.nodes[int(np.argmax(own))]
+        result: Node = self.posterior.nodes[int(np.argmax(own))]
+        return result
 
     @property
     def model(self) -> DrivenModel:
