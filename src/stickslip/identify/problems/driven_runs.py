@@ -12,8 +12,8 @@ are unknown: Newton's polynomials through values at `KNOTS` speeds beside a plai
 :math:`\tau_0`, over the size :math:`F` of friction. Each segment of the records starts as it fits
 best.
 
-0. Constants that are given of the rig have a prior about what was given, and what drives it a delay
-   of parts of a sample: nothing that is the same whatever a constant is frees it (`_is_told`).
+0. Constants that are given of the rig are unknown with a prior about what was given, if runs tell
+   them, and so is a delay of what drives.
 1. The plain law and :math:`\phi` are found by steps of Levenberg and Marquardt along the
    sensitivities of the engine, :math:`\log\phi` with a prior of deviation `PRIOR` about what was
    given. Steps end where they would raise the logarithm of the posterior by less than `SETTLED`.
