@@ -193,6 +193,30 @@ def test_runs_have_the_constant_force_that_is_fixed():
     assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
 
 
+def test_a_stiffness_that_is_not_as_given_is_named_and_moves_no_friction():
+    mechanism = replace(SHAKEN, stiffness=100.0)
+    seen = record(mechanism, 3.0, 100.0, 2e-4, law=SMOOTH)
+    found = fitted(replace(mechanism, stiffness=92.0), seen)
+    level = found.estimate("kinetic_coefficient")
+    assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.002
+    assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
+    (finding,) = (item for item in found.verdict.findings if item.asserted)
+    assert finding.sentence.startswith("The stiffness is 1.09 times as given")
+
+
+def test_constants_that_do_the_same_are_not_named():
+    """A swing tells the cart's mass, the ball's and the length by their ratio alone."""
+    mechanism, length, rate, noise = CASES["swing"]
+    seen = record(mechanism, length, rate, noise, law=SMOOTH)
+    found = fitted(replace(mechanism, cart_mass=0.92 * mechanism.cart_mass), seen)
+    level = found.estimate("kinetic_coefficient")
+    assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.02
+    assert len([item for item in found.verdict.findings if item.probability > 0.1]) == 3
+    assert not any(item.asserted for item in found.verdict.findings)
+
+
 def test_one_law_of_a_selection_is_its_fit():
     mechanism, length, rate, noise = CASES["stroke"]
     seen = record(mechanism, length, rate, noise)

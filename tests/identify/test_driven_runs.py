@@ -255,6 +255,25 @@ def test_a_constant_force_is_an_unknown_of_the_runs(servo):
     assert force.low < 0.02 < force.high
 
 
+@pytest.mark.parametrize(("rate", "late"), [(2000.0, -0.5), (200.0, 0.0)])
+def test_a_voltage_that_is_not_held_from_sample_to_sample_is_early(servo, rate, late):
+    def volts(t):
+        return 6.0 * np.sin(4.4 * t) + 3.0 * np.sin(11.9 * t + 1.0)
+
+    t, fine = np.arange(0.0, 4.0, 5e-3), np.arange(0.0, 4.0, 1.0 / rate)
+    hold = "zero" if late == 0.0 else "first"
+    motor = replace(servo.rig.drive, drive=Sampled(times=fine, values=volts(fine), hold=hold))
+    law = CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.004)
+    run = simulate(Axis(inertia=4e-3, drive=motor), law, t_end=t[-1])
+    angle = servos.COUNT * np.round(run.at(t)["x"] / servos.COUNT)
+    record = Measurement(time=t, position=angle, voltage=volts(t), turning=True)
+    axis = Axis(inertia=4e-3, drive=guessed(servo, torque_constant=1.0).drive)
+    runs = followed(axis, record, [RESISTANCE], doubts={})
+    assert runs.values["delay"] == pytest.approx(late * 5e-3, abs=1e-4)
+    # a reading is rounded to a count
+    assert runs.error == pytest.approx(servos.COUNT / np.sqrt(12.0), rel=0.3)
+
+
 def test_a_plain_law_without_friction_is_left_to_the_balance(servo, record, monkeypatch):
     size = driven_runs.beside_law
     monkeypatch.setattr(driven_runs, "beside_law", lambda *known: replace(size(*known), size=0.0))

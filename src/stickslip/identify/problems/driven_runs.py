@@ -12,6 +12,8 @@ are unknown: Newton's polynomials through values at `KNOTS` speeds beside a plai
 :math:`\tau_0`, over the size :math:`F` of friction. Each segment of the records starts as it fits
 best.
 
+0. Constants that are given of the rig are unknown with a prior about what was given, if runs tell
+   them, and so is a delay of what drives.
 1. The plain law and :math:`\phi` are found by steps of Levenberg and Marquardt along the
    sensitivities of the engine, :math:`\log\phi` with a prior of deviation `PRIOR` about what was
    given. Steps end where they would raise the logarithm of the posterior by less than `SETTLED`.
@@ -36,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from stickslip.data import Measurement
+from stickslip.data import Measurement, interval_of
 from stickslip.errors import InputError
 from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
@@ -53,8 +55,9 @@ from stickslip.identify.fits import (
     measured_quantity,
     segments_of,
 )
+from stickslip.identify.fits.shooting.multiple_shooting import DELAY
 from stickslip.identify.forces import TRANSMITTED, with_gear
-from stickslip.identify.judgement import DRAWS, Candidates, Problem
+from stickslip.identify.judgement import DRAWS, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
 from stickslip.identify.posterior import (
@@ -91,10 +94,18 @@ from stickslip.identify.problems.free_runs import (
 from stickslip.identify.problems.record_checks import LIFTED, plain_columns
 from stickslip.identify.problems.record_columns import Balance, through_gear
 from stickslip.identify.problems.record_curves import OtherRows, SteadyRows
-from stickslip.identify.problems.record_model import BELOW, KAPPA, laws_of
+from stickslip.identify.problems.record_model import (
+    BELOW,
+    KAPPA,
+    OTHERWISE,
+    SCALES,
+    TIMED,
+    laws_of,
+)
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import (
     ASKED,
+    NEGLIGIBLE,
     PLACES,
     RecordProblem,
     candidates_of,
@@ -105,9 +116,9 @@ from stickslip.identify.projection import Rung, Shaped
 from stickslip.identify.simulated import SETTLED
 from stickslip.identify.vocabulary import SIGNED, Grid
 from stickslip.maths import Scalar, where
-from stickslip.mechanisms import Mechanism, motor_of, stops_of
+from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
-from stickslip.show.formatting import joined, parameter_words
+from stickslip.show.formatting import joined, parameter_words, quantity
 
 PRIOR = 0.5
 """Standard deviation of the logarithm of a parameter about the value that was given of it."""
@@ -124,8 +135,8 @@ ROUNDING = 1e-14
 ROUNDS = 3
 """Times that the deviation of readings is taken again."""
 STEPS = 10
-"""Steps of the search, each time, and of an initial state at each: where a body sticks and slips
-there are many, and long."""
+"""Steps of an initial state, each time, and a quarter of those of the search: where a body sticks
+and slips there are many, and long."""
 KNOTS = 8
 """Speeds at which friction beside a law is free: about one for each e-fold that a servo has."""
 AT = leja(KNOTS)
@@ -133,17 +144,15 @@ QUICK = 0.995
 """Part of the readings that are slower than the fastest speed."""
 DECADES = 100.0
 """Range of speeds at most."""
+WRONG = (0.0005, 0.03, 0.1)
+"""By how much a constant of the rig may not be as given, as a share: any is with `OTHERWISE`."""
 FOLLOWING = 5
 """Size with which runs that follow are looked for."""
-LEVELS = tuple(np.geomspace(0.01, 2.0, 16).tolist())
-"""Levels over the load that are tried of what drives itself: a third more each, from rolling to
+LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
+"""Levels over the load that are tried of what drives itself: a twentieth more each, from rolling to
 rubber."""
-CLOSE_LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
-"""The same where there are hard stops: a twentieth more each."""
 SHARES = (0.1, 0.2, 0.35, 0.6, 1.0)
-"""Shares of the records that are taken in one after the other there."""
-ROUNDS_OF_PART = 15
-"""Steps of the search on each."""
+"""Shares of the records that are taken in one after the other then."""
 OTHER = 4.0
 """Cost over that of runs that follow, beyond which others have left their valley."""
 FAST = 0.5
@@ -354,6 +363,10 @@ class DrivenRuns:
     rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
     beside: Beside | None = None
     doubts: Mapping[str, float] = field(default_factory=dict)
+    constants: tuple[str, ...] = ()
+    """Paths of what is given of the rig and may be wrong, which is doubtful, too."""
+    late: tuple[float, ...] = ()
+    """Sizes of the delay of what drives the runs, which is doubtful, too [s]; none if none is."""
 
     @property
     def items(self) -> tuple[FreeParameter, ...]:
@@ -392,25 +405,58 @@ class DrivenRuns:
         """Return a mechanism with the values that fit best."""
         return vary(mechanism, "mechanism", {path: self.rig[path] for path in self.sought})
 
+    @property
+    def _known(self) -> _WithPrior:
+        """The runs with what was given of the mechanism, for a deviation of 1."""
+        given = np.array([self.given.get(item.path, 1.0) for item in self.items])
+        late = [[(item.path == DELAY) / self.late[-1] for item in self.items]] * bool(self.late)
+        rows = np.array(late).reshape(-1, len(given))
+        return _WithPrior(runs=self.runs, given=given, sizes=self.sizes, rows=rows, deviation=1.0)
+
+    def begun(self) -> "DrivenRuns":
+        """Return runs of what drives itself that start at the level which leaves least.
+
+        A level decides at each rest whether the body breaks away, so that what is left has valleys.
+        After some impacts a run depends so much on friction that there is a valley for each
+        sequence of impacts, and the way down leads into the nearest. Before them there are few:
+        levels are tried on the first part of the records there, and the best is followed while more
+        is taken in.
+        """
+        runs, start = self.runs, self.runs.free_parameters.start
+        assert self.items[0].path == "friction.kinetic_coefficient"
+        part = runs.shortened(SHARES[0])
+        tried = [np.array([level, *start[1:]]) for level in LEVELS]
+        tried.append(start)
+        least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
+        for share in SHARES:
+            part = runs.shortened(share)
+            least = part.linearise(least.values, least)
+            prior = replace(self._known, runs=part, deviation=least.rms / math.sqrt(KAPPA))
+            gain = 2.0 * SETTLED * prior.deviation**2
+            end = improve(prior, least.values, rounds=4 * STEPS, least=gain, near=least)
+            least = part.linearise(end.values, end)
+        if least.finite:
+            runs = runs.starting_from(least)
+        runs = runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
+        return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
     def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
         """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
         best, share = self.seen, self.share
-        own = [self.given.get(item.path, 1.0) for item in self.items]
-        rows = np.zeros((0, len(own))) if rows is None else rows
-        known = _WithPrior(
-            runs=self.runs, given=np.array(own), sizes=self.sizes, rows=rows, deviation=1.0
-        )
+        known = self._known
+        rows = known.rows if rows is None else np.vstack([known.rows, rows])
+        known = replace(known, rows=rows)
         for _ in range(rounds):
             if not best.finite or not share:
                 break
             deviation = best.rms / math.sqrt(share)
             prior = replace(known, deviation=deviation)
             least = 2.0 * SETTLED * deviation**2
-            end = improve(prior, best.values, rounds=STEPS, least=least, near=best)
+            end = improve(prior, best.values, rounds=4 * STEPS, least=least, near=best)
             best = self.runs.linearise(end.values, end)
             slopes = prior.slopes(end.values)
             share = min(worth(best.slopes / best.rms, best.residual, slopes.T @ slopes), KAPPA)
-        freedom = max(len(best.residual) - len(own), 1)
+        freedom = max(len(best.residual) - len(self.items), 1)
         error = math.sqrt(best.cost / freedom)
         return replace(self, seen=best, share=share, error=error, rows=rows)
 
@@ -462,14 +508,37 @@ class DrivenRuns:
         rig = np.array([*self.rig.values(), surplus])
         rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
-        return result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
+        result = result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
+        told = tuple(path for path in self.constants if result._is_told(path))
+        sizes = {path: WRONG[-1 if path in told else 0] for path in self.constants}
+        result = replace(result, doubts={**result.doubts, **sizes}, constants=told)
+        return result.settled(result.rows[len(result.late) > 0 :], ROUNDS)
 
-    def root(self, size: float = SIZES[FOLLOWING]) -> Array:
-        """Return a root of the covariance of what is unknown (p, p), with friction of a size."""
-        has_prior, rows = np.isfinite(self.sizes), self.rows * (SIZES[FOLLOWING] / size)
+    def _is_told(self, path: str) -> bool:
+        """Return whether runs tell a constant of the rig better than its prior, others as given.
+
+        What they do not tell is as given: in its units all else counts.
+        """
+        place = [item.path for item in self.items].index(path)
+        left = np.sum(self.root(COEFFICIENT, path)[place] ** 2) / self.seen.values[place] ** 2
+        return bool(2.0 * left < WRONG[-1] ** 2)
+
+    def root(self, size: float = SIZES[FOLLOWING], doubted: str = "") -> Array:
+        """Return a root of the covariance of what is unknown (p, p), with friction of a size.
+
+        Constants of the rig are as given, but for what is doubted.
+        """
+        sizes = np.array(
+            [
+                WRONG[-1 if item.path == doubted else 0] if item.path in self.constants else size
+                for item, size in zip(self.items, self.sizes.tolist(), strict=True)
+            ]
+        )
+        has_prior, rows = np.isfinite(sizes), self.rows.copy()
+        rows[len(self.late) > 0 :] *= SIZES[FOLLOWING] / size
         slopes = self.seen.slopes / self.error * math.sqrt(self.share)
         precision = slopes.T @ slopes + rows.T @ rows
-        deviations = self.sizes[has_prior] * self.seen.values[has_prior]
+        deviations = sizes[has_prior] * self.seen.values[has_prior]
         precision[has_prior, has_prior] += deviations**-2.0
         units = np.sqrt(np.diag(precision)) + 1e-300
         values, axes = np.linalg.eigh(precision / units / units[:, None])
@@ -579,15 +648,32 @@ def followed(
     if any(known[path] <= 0.0 for path in doubts):
         return None
     start = _start_of(mechanism, measurement)
+    constants = constants_of(mechanism, measurement, (*unknown, *doubts))
     if offset and OFFSET in known and OFFSET not in (*unknown, *doubts) and start.both_ways:
         unknown = (*unknown, OFFSET)
-    runs = _runs_of(mechanism, measurement, start, (*unknown, *doubts), doubts, hold)
+    named = (*unknown, *doubts, *constants)
+    runs = _runs_of(mechanism, measurement, start, named, (*doubts, *constants), hold)
+    late: tuple[float, ...] = ()
+    if all(segment.loop is None for segment in runs.segments):
+        step = max(interval_of(np.asarray(record.time)) for record in measurement.records())
+        timed = TIMED if hold is not None or drives_itself(mechanism, measurement) else 1.0
+        late = tuple(timed * step * x for x in SCALES[DELAY][0])
+        item = FreeParameter(path=DELAY, quantity=Quantity("t", "s"), start=0.0)
+        free = FreeParameters((*runs.free_parameters.items, item))
+        runs = runs.with_free_parameters(free)
+    # a plain law would have the rig stand for what it lacks
+    own = drives_itself(mechanism, measurement)
     first = DrivenRuns(
         runs=runs,
         seen=runs.linearise(runs.free_parameters.start),
-        given={path: known.get(path, 0.0) for path in (*unknown, *doubts)},
-        doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()},
-    ).settled()
+        given={path: known.get(path, 0.0) for path in (*named, DELAY)},
+        doubts={path: math.log1p(doubt / known[path]) for path, doubt in doubts.items()}
+        | dict.fromkeys(constants, WRONG[-1 if own else 0])
+        | {DELAY: 0.0},
+        constants=constants,
+        late=late,
+    )
+    first = (first.begun() if own else first).settled()
     if not first.seen.finite or not first.share:
         return None
     rig = first.on(mechanism)
@@ -595,6 +681,24 @@ def followed(
     beside = beside_law(first.law, records, start.load)
     result = first.with_curve(beside) if beside.size > 0.0 else None
     return result if result is not None and result.seen.finite and result.share else None
+
+
+def constants_of(
+    mechanism: Mechanism, measurement: Measurement, known: Collection[str]
+) -> tuple[str, ...]:
+    """Return paths of what is given of a rig and may be wrong: its own numbers and its motor's.
+
+    They are above 0, as masses, lengths, springs and constants of a motor are.
+    """
+    motor = None if motor_of(mechanism) is None else "drive"
+    anew = {path for record in measurement.records() for path in record.overrides}
+    return tuple(
+        path
+        for path, _, x in parameters(mechanism, "mechanism")
+        for _, *within, name in [path.split(".")]
+        if x > 0.0 and within in ([], [motor]) and name != "gravity"
+        and path not in {*known, *anew, OFFSET}
+    )  # fmt: skip
 
 
 def _is_run(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> bool:
@@ -685,38 +789,13 @@ def _runs_of(
                 high=WIDE * x if log else min(item.high, far),
             )
         )  # fmt: skip
-    runs = Shooting(
+    return Shooting(
         law=CoulombViscous(**{name: items[k].start for k, name in enumerate(starts)}),
         free_parameters=FreeParameters(tuple(items)),
         segments=segments_of(mechanism, measurement, hold=hold or "zero"),
         quantity=measured_quantity(measurement),
         steps=STEPS,
     )
-    return _begun(runs) if drives_itself(mechanism, measurement) else runs
-
-
-def _begun(runs: Shooting) -> Shooting:
-    """Return runs of what drives itself that start at the level which leaves least.
-
-    A level decides at each rest whether the body breaks away, so that what is left has valleys.
-    After some impacts a run depends so much on friction that there is a valley for each sequence of
-    impacts, and the way down leads into the nearest. Before them there are few: levels are tried on
-    the first part of the records there, and the best is followed while more is taken in.
-    """
-    path, start = runs.free_parameters.items[0].path, runs.free_parameters.start
-    assert path == "friction.kinetic_coefficient"
-    has_stops = any(stops_of(segment.mechanism) for segment in runs.segments)
-    levels, shares = (CLOSE_LEVELS, SHARES) if has_stops else (LEVELS, ())
-    part = runs.shortened(shares[0]) if shares else runs
-    tried = [np.array([level, *start[1:]]) for level in levels]
-    tried.append(start)
-    least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
-    for share in shares:
-        part = runs.shortened(share)
-        least = improve(part, least.values, rounds=ROUNDS_OF_PART, least=0.0, near=least)
-    if shares and least.finite:
-        runs = runs.starting_from(least)
-    return runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
 
 
 class DrivenModel(Model):
@@ -726,7 +805,6 @@ class DrivenModel(Model):
     but where it may be 0.
     """
 
-    scales = (Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),)
     signed = SIGNED
 
     def __init__(self, runs: DrivenRuns, plain: RecordProblem) -> None:
@@ -740,7 +818,8 @@ class DrivenModel(Model):
         self.logs = np.array([item.log for item in items], dtype=bool)
         count, seen = len(items), runs.seen
         rig, given = seen.values[:count], np.array([runs.given[path] for path in self.paths])
-        self.given: Array = np.where(self.logs, given, rig)
+        at_given = self.logs | np.array([path == DELAY for path in self.paths])
+        self.given: Array = np.where(at_given, given, rig)
         """Values from which what is looked for of the mechanism counts (p,)."""
         of_rig = seen.slopes[:, :count] * np.where(self.logs, rig, 1.0)
         slopes = np.hstack([seen.slopes[:, count:] @ beside.table, of_rig])
@@ -748,7 +827,8 @@ class DrivenModel(Model):
         law = runs.runs.law
         assert isinstance(law, BesideLaw)
         knots = np.linalg.solve(beside.table, seen.values[count:]) + self.at_knots(law.law)
-        away = np.where(self.logs, np.log(rig / self.given), 0.0)
+        ratio = np.divide(rig, self.given, out=np.ones(count), where=self.logs)
+        away = np.where(self.logs, np.log(ratio), rig - self.given)
         self.x: Array = np.concatenate([knots, away])
         """The unknowns about which runs are linear (m,) ..."""
         self.slopes: Array = slopes
@@ -760,7 +840,20 @@ class DrivenModel(Model):
         self._rig_deviations: Array = np.where(
             self.logs, runs.sizes[:count], np.maximum(wide, least)
         )
-        self.deviations = np.concatenate([np.ones(len(knots)), self._rig_deviations])
+        wrong = OTHERWISE / max(len(runs.constants), 1)
+        prior = (1.0 - wrong, 0.5 * wrong, 0.5 * wrong)
+        self.scales = (
+            Scale(name="curve", values=SIZES, prior=SIZE_PRIOR),
+            *(Scale(name=path, values=WRONG, prior=prior) for path in runs.constants),
+            *[Scale(name=DELAY, values=runs.late, prior=SCALES[DELAY][1])] * bool(runs.late),
+        )
+
+    def _deviations(self, node: Node) -> Array:
+        """Return deviations of what is unknown of the rig before the runs (p,)."""
+        result = self._rig_deviations.copy()
+        for scale, k in zip(self.scales[1:], node[1:], strict=True):
+            result[self.paths.index(scale.name)] = scale.values[k]
+        return result
 
     def with_laws(self, own: Sequence[Structure]) -> "DrivenModel":
         """Return the same for laws that are no sums of parts."""
@@ -768,8 +861,8 @@ class DrivenModel(Model):
         result.signed, result.certain = self.signed | signed_of(own), certain_of(own)
         return result
 
-    def settled(self, structure: Structure, size: float) -> Structure:
-        """Return a law of any form about the values that are likeliest, with a size of the rest.
+    def settled(self, structure: Structure, node: Node) -> Structure:
+        """Return a law of any form about the values that are likeliest at a node.
 
         Runs are linear in the curve, but the curve is not in the values.
         """
@@ -777,9 +870,10 @@ class DrivenModel(Model):
         if not law.varied:
             return structure
         count = len(self.beside.root)
-        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(self._before), hermitian=True)
+        before = np.concatenate([np.zeros(count), self._deviations(node) ** -2.0])
+        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(before), hermitian=True)
         middle = (covariance @ self.gram[:-1, -1])[:count]
-        root = size * self.beside.root
+        root = SIZES[node[0]] * self.beside.root
         values, vectors = np.linalg.eigh(covariance[:count, :count] + root @ root.T)
         weights = (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1]))).T
 
@@ -795,11 +889,6 @@ class DrivenModel(Model):
         start = np.clip(law.values, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
         end = least_squares(left, start, bounds=(low, high), x_scale=np.maximum(scale, 1e-12))
         return law.structure(end.x.tolist())
-
-    @property
-    def _before(self) -> Array:
-        """Precisions of the unknowns before the runs (m,): none of friction."""
-        return np.concatenate([np.zeros(len(self.beside.root)), self._rig_deviations**-2.0])
 
     def at_knots(self, law: FrictionLaw) -> Array:
         """Return a law at the knots (m,)."""
@@ -854,8 +943,9 @@ class DrivenModel(Model):
         if columns:
             turn[:knots, m : m + p] = np.column_stack([*map(self.share, columns)]) * sizes
         turn[m, m + p] = 1.0
+        deviations = np.concatenate([np.ones(knots), self._deviations(node)])
         return System(
-            gram=turn.T @ self.gram @ turn, deviations=self.deviations, volume=0.0, sizes=sizes
+            gram=turn.T @ self.gram @ turn, deviations=deviations, volume=0.0, sizes=sizes
         )
 
 
@@ -890,25 +980,31 @@ class DrivenProblem(Problem):
 
     def _judged(self, model: DrivenModel) -> Posterior:
         laws = dict(laws_of(self.grid, [(), *self.laws]))
-        return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, (FOLLOWING,))
+        others = range(1, len(model.scales))  # as given, and each alone far from that
+        alone = [tuple((len(WRONG) - 1) * (j == k) for j in others) for k in (0, *others)]
+        alone = alone[: 1 + len(model.runs.constants)]
+        begin = [(k, *node) for k in (FOLLOWING, 0) for node in alone]
+        return refined_shapes(model, laws | dict.fromkeys(self.own, 0.0), self.grid, begin)
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "DrivenProblem":
         result = copy.copy(self)
         result.restricted = True
         result.laws = [*dict.fromkeys(map(parts_of, families))]
-        sizes = [0.0] * len(own)
+        _, *rig = self.posterior.nodes[int(np.argmax(self.posterior.weights.sum(axis=1)))]
+        nodes: list[Node] = [(0, *rig)] * len(own)
         for _ in range(ROUNDS):
-            result.own = tuple(map(self.model.settled, own, sizes))
+            result.own = tuple(map(self.model.settled, own, nodes))
             result.posterior = result._judged(self.model.with_laws(result.own))
-            before, sizes = sizes, [*map(result._size_beside, result.own)]
-            if sizes == before:
+            before, nodes = nodes, [*map(result._likeliest, result.own)]
+            if nodes == before:
                 break
         return result
 
-    def _size_beside(self, structure: Structure) -> float:
-        """Return the likeliest size of what a law lacks."""
+    def _likeliest(self, structure: Structure) -> Node:
+        """Return the likeliest node of a law."""
         own = self.posterior.weights[:, self.posterior.structures.index(structure)]
-        return SIZES[self.posterior.nodes[int(np.argmax(own))][0]]
+        result: Node = self.posterior.nodes[int(np.argmax(own))]
+        return result
 
     @property
     def model(self) -> DrivenModel:
@@ -1052,6 +1148,19 @@ class DrivenProblem(Problem):
         result = self.model.rig(draws)
         if OFFSET in result:
             result[self.plain.offset or OFFSET] = result.pop(OFFSET)
+        return result
+
+    def findings(self, draws: Sequence[Draws]) -> list[Finding]:
+        result = []
+        away = np.hstack([draw.random[len(self.beside.root) :] for draw in draws])
+        for path in self.following.constants:
+            factor = np.exp(away[self.model.paths.index(path)])
+            ends = [quantity(x, "", 3) for x in np.quantile(factor, (0.5, 0.025, 0.975)).tolist()]
+            name = parameter_words(path)
+            what = "The {} is {} times as given ({} to {}).".format(name, *ends)
+            likely = float(np.mean(np.abs(factor - 1.0) > NEGLIGIBLE))
+            title = f"{name} larger or smaller than given"
+            result.append(stated(f"{name}_given", title, likely, factor - 1.0, what))
         return result
 
     def points(self, rung: Rung) -> MeasuredPoints:

@@ -64,7 +64,7 @@ from stickslip.identify.posterior import (
     System,
     family_of,
 )
-from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, SCALES
+from stickslip.identify.problems.record_model import BEHIND, KEPT_LAWS, NODES, SCALES
 from stickslip.identify.simulated import ROUNDS, SETTLED
 from stickslip.identify.vocabulary import PARTS, SIGNED, Grid
 from stickslip.maths import Scalar, log, where
@@ -745,7 +745,7 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         for family, shapes, prior in grid.families(families)
     }
     laws |= dict.fromkeys(model.own, 0.0)
-    posterior = refined_shapes(model, laws, grid, FOLLOWING)
+    posterior = refined_shapes(model, laws, grid, [FOLLOWING])
     laws = dict(zip(posterior.structures, posterior.priors.tolist(), strict=True))
     for _ in range(AGAIN):
         k, s = np.unravel_index(int(np.argmax(posterior.weights)), posterior.weights.shape)
@@ -763,12 +763,12 @@ def judged(model: RunModel, grid: Grid, families: Sequence[tuple[str, ...]]) -> 
         if 0.5 * model.kappa / model.sigma**2 * off < STRAIGHT:
             break
         model = follower
-        posterior = _weighed(model, laws, FOLLOWING)
+        posterior = _weighed(model, laws, [FOLLOWING])
     return posterior
 
 
 def refined_shapes(
-    model: Model, laws: "dict[Structure, float]", grid: Grid, begin: Node
+    model: Model, laws: "dict[Structure, float]", grid: Grid, begin: Sequence[Node]
 ) -> Posterior:
     """Return the weights of laws with the logarithms of their priors, and of shapes near them."""
     posterior = _weighed(model, laws, begin)
@@ -778,9 +778,9 @@ def refined_shapes(
     return posterior
 
 
-def _weighed(model: Model, laws: "dict[Structure, float]", begin: Node) -> Posterior:
-    every = math.prod(len(scale.values) for scale in model.scales)
-    return Posterior(model, [*laws], np.array([*laws.values()]), begin=[begin], most=every)
+def _weighed(model: Model, laws: "dict[Structure, float]", begin: Sequence[Node]) -> Posterior:
+    most = min(math.prod(len(scale.values) for scale in model.scales), NODES)
+    return Posterior(model, [*laws], np.array([*laws.values()]), begin=begin, most=most)
 
 
 def _refined(

@@ -39,6 +39,9 @@ SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_
 thousands, parameters have gone where nothing moves as measured."""
 
 
+DELAY = "delay"
+"""Path of the time [s] by which all that drives a segment acts later than recorded: with a first
+state that is free, it is the time by which the motion is later."""
 FIRST = 20
 """First rows of a segment from whose slope it is seen whether the body may be at rest, and from
 whose parabola its first velocity is guessed."""
@@ -109,13 +112,15 @@ class Shooting:
         """Return what predictions with values (p,) leave, and their slopes."""
         known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
+        late = dict(zip(self.free_parameters.paths, values.tolist(), strict=True)).get(DELAY, 0.0)
+        segments = [replace(item, times=item.times - late) for item in self.segments]
         try:
             law, mechanisms = self._changed(values)
         except ParameterError:
             return _failed(values, self.segments)
 
         def one(k: int, before: LocalState | None) -> LocalState | None:
-            segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
+            segment, mechanism = segments[k], mechanisms[id(segments[k].mechanism)]
             shoot = partial(self._shot, segment, mechanism, law)
             at_rest = _may_rest(segment, self.quantity)
             own, most = segment.rest, self.steps
@@ -132,7 +137,8 @@ class Shooting:
         items = zip(self.free_parameters.items, map(float, values), strict=True)
         pairs = {item.path: not_whole(item, value) for item, value in items}
         own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
-        law = vary(self.law, "friction", {p: v for p, v in pairs.items() if p not in own})
+        of_law = {path: x for path, x in pairs.items() if path not in {*own, DELAY}}
+        law = vary(self.law, "friction", of_law)
         return law, {
             id(s.mechanism): vary(s.mechanism, "mechanism", own) if own else s.mechanism
             for s in self.segments
@@ -225,6 +231,12 @@ def _sensed(
     paths: Sequence[str],
 ) -> Array:
     """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
+    if DELAY in paths:
+        others = [path for path in paths if path != DELAY]
+        table = _sensed(run, segment, mechanism, law, state, column, others)
+        step = MOVED * float(np.ptp(segment.times))
+        less, more = (run.at(segment.times + x)[:, column] for x in (-step, step))
+        return np.insert(table, [*paths].index(DELAY), (less - more) / (2.0 * step), axis=1)
     if segment.loop is None:
         table = run.differentiate(segment.times, paths)[:, column, :]
     else:  # the kernels know nothing of what the loop does about a change
