@@ -1157,7 +1157,11 @@ class DrivenProblem(Problem):
             factor = np.exp(away[self.model.paths.index(path)])
             ends = [quantity(x, "", 3) for x in np.quantile(factor, (0.5, 0.025, 0.975)).tolist()]
             name = parameter_words(path)
-            what = "The {} is {} times as given ({} to {}).".format(name, *ends)
+            what = (
+                "Runs follow the record with a {} {} times as given ({} to {}): check it.".format(
+                    name, *ends
+                )
+            )  # another fault of the rig may pass for it
             likely = float(np.mean(np.abs(factor - 1.0) > NEGLIGIBLE))
             title = f"{name} larger or smaller than given"
             result.append(stated(f"{name}_given", title, likely, factor - 1.0, what))

@@ -731,7 +731,8 @@ class Balance:
         force = np.abs(np.concatenate([piece.given.force for piece in self.pieces]))
         above = force[force > acting.limit] - acting.limit
         if acting.clipped:
-            above = np.abs(np.concatenate([x.hidden[x.clipped != 0.0] for x in self.pieces]))
+            above = np.concatenate([np.abs(x.hidden * x.clipped) for x in self.pieces])
+            above = above[np.concatenate([x.clipped != 0.0 for x in self.pieces])]
         return math.hypot(float(np.mean(above)), self._force_noise) if len(above) else 0.0
 
     @cached_property
