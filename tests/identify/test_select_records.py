@@ -234,25 +234,50 @@ def rubbed(*levels):
     )
 
 
-def test_friction_that_falls_at_one_speed_is_said_with_its_ends():
+@pytest.mark.parametrize(("change", "side"), [(1.0, 1.0), (1.0, -1.0), (-0.8, -1.0)])
+def test_friction_that_changes_at_one_speed_is_said_with_its_ends(change, side):
     """As a disc runs in: bristles of metres, at rest at the first sample, are no rival of a drift.
 
-    The friction is 3.4 N at first and 2.4 N at last, 2.5 N in the mean.
+    The friction begins at 3.4 N (1.6 N) and ends at 2.4 N.
     """
     t = np.arange(0.0, 600.0)
-    friction = 2.4 + np.exp(-t / 60.0) + 0.08 * np.random.default_rng(11).normal(size=len(t))
-    disc = Measurement(time=t, velocity=np.full(len(t), 0.1), friction=friction)
+    size = 2.4 + change * np.exp(-t / 60.0)
+    friction = side * size + 0.08 * np.random.default_rng(11).normal(size=len(t))
+    disc = Measurement(time=t, velocity=np.full(len(t), 0.1 * side), friction=friction)
     verdict = select(Axis(inertia=1.0), None, disc)
     [drift] = [x for x in verdict.findings if x.term == "drift"]
     found = re.search(
-        r"falls over the record, from (\S+) N at its .* to (\S+) N at its", drift.sentence
+        r"(\w+) over the record, from (\S+) N at its .* to (\S+) N at its", drift.sentence
     )
     assert found is not None
     assert drift.asserted
-    assert float(found[1]) == pytest.approx(3.3, abs=0.3)
-    assert float(found[2]) == pytest.approx(2.4, abs=0.1)
-    band = verdict.band(0.1)
-    assert np.all((band.low < friction.mean()) & (friction.mean() < band.high))
+    assert found[1] == ("falls" if change > 0.0 else "rises")
+    assert float(found[2]) == pytest.approx(2.4 + 0.9 * change, abs=0.3)
+    assert float(found[3]) == pytest.approx(2.4, abs=0.1)
+    band = verdict.band(0.1 * side)
+    mean = side * size.mean()
+    assert np.all((band.low < mean) & (mean < band.high))
+
+
+def test_friction_that_is_smooth_below_the_slowest_speed_bends_no_law():
+    """Rows near a turn have it: with one breadth of them both coefficients were off."""
+    t = np.arange(0.0, 38.8, 5e-3)
+    waves = zip((1.0, 0.35, 0.1), (1.0, 3.1, 8.7), (3.1, 1.26, 0.42), strict=True)
+    x, v, a = np.zeros((3, len(t)))
+    for size, times, phase in waves:
+        w = 2.0 * np.pi * 0.19 * times
+        x += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w**2 * np.sin(w * t + phase)
+    truth = {"kinetic_coefficient": 4.07, "viscous_coefficient": 0.19, "inertia": 0.53}
+    level, viscous, inertia = truth.values()
+    torque = inertia * a + level * np.tanh(v / 0.172) + viscous * v
+    torque += 0.118 * np.random.default_rng(2).normal(size=len(t))
+    seen = Measurement(time=t, position=np.round(x / 1e-4) * 1e-4, force=torque, turning=True)
+    verdict = select(Axis(inertia=inertia), None, seen, vary=["friction.*", "mechanism.inertia"])
+    own = {item.path.rpartition(".")[2]: item for item in verdict.parameters}
+    for name, value in truth.items():
+        assert own[name].low_any <= value <= own[name].high_any, name
 
 
 def test_trials_that_differ_widen_the_band_and_are_said_to():

@@ -267,19 +267,22 @@ def law_column(
     return np.asarray(np.sign(velocity) * part.curve(speed, shape))
 
 
-def relaxed(way: Array, length: Array | float, levels: Array) -> Array:
-    """Return levels (n, p) as they lag along a way (n,) with a length (n,).
+def relaxed(way: Array, length: Array | float, levels: Array, start: float = 0.0) -> Array:
+    """Return levels (n, p) as they lag along a way (n,) with a length (n,), from a state.
 
     Examples
     --------
     >>> way = np.array([0.0, 1.0, 2.0])
     >>> relaxed(way, 1.0, np.ones((3, 1)))[:, 0].round(3).tolist()
     [0.0, 0.632, 0.865]
+    >>> relaxed(way, 1.0, np.ones((3, 1)), start=1.0)[:, 0].tolist()
+    [1.0, 1.0, 1.0]
     """
     steps = np.diff(way, prepend=way[:1])
     kept = np.exp(-np.abs(steps) / length)
     band = np.asfortranarray(np.vstack([np.ones(len(way)), np.append(-kept[1:], 0.0)]))
     right = np.asfortranarray(((1.0 - kept) * np.sign(steps))[:, None] * levels)
+    right[:1] = start * levels[:1]
     result, _ = lapack.dtbtrs(band, right, uplo="L", diag="U")
     return np.asarray(result)
 
@@ -467,7 +470,8 @@ class Balance:
         if not memory.lags:
             return bristle(piece.along(memory.length), memory.length, memory.exponent, piece.start)
         ones = np.ones((len(piece.way), 1))
-        return relaxed(piece.along(memory.length), self.lengths(memory, piece), ones)[:, 0]
+        way, length = piece.along(memory.length), self.lengths(memory, piece)
+        return relaxed(way, length, ones, piece.start)[:, 0]
 
     def load(self, piece: Piece) -> Array | float:
         """Return the load over the usual one (n,)."""
@@ -500,9 +504,8 @@ class Balance:
             "common": z[:, None] * hats,
             "drift": np.hstack([z[:, None] * course, (v / frame.top)[:, None] * course]),
             "place": z[:, None] * frame.places(piece.record.position, self.waves[1]),
-            "slow": (z * (memory.length == 0.0) * np.maximum(1.0 - np.abs(v) / frame.low, 0.0))[
-                :, None
-            ],
+            "slow": (z * (memory.length == 0.0))[:, None]
+            * np.maximum(1.0 - np.abs(v)[:, None] / (frame.low * 4.0 ** -np.arange(3.0)), 0.0),
         }
         if len(frame.sides) > 1:
             groups["sides"] = np.abs(z)[:, None] * hats
@@ -554,7 +557,7 @@ class Balance:
     def _lagging(self, memory: Memory, piece: Piece, levels: Array) -> Array:
         """Return levels (n, p) as they lag with a bristle, times the load."""
         load, length = np.reshape(self.load(piece), (-1, 1)), self.lengths(memory, piece)
-        return load * relaxed(piece.along(memory.length), length, levels)
+        return load * relaxed(piece.along(memory.length), length, levels, piece.start)
 
     def _slope(self, column: Column, piece: Piece, state: Array) -> Array:
         """Return the column of a term of a law of any form at the samples (n,)."""

@@ -819,7 +819,8 @@ class RecordModel(Model):
         of a delay. What a plain balance makes likelier than its prior is left to the posterior.
         """
         now = self.balance.acting
-        result = [] if now.delay else [self._delayed(columns)]
+        told = self.balance.turned or not self.balance.measured  # only turns show late friction
+        result = [self._delayed(columns)] if told and not now.delay else []
         if self.balance.driven and not (math.isfinite(now.limit) or now.clipped):
             result.append(self._limited(columns))
             if self.balance.clips:  # the posterior tells

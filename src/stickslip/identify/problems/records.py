@@ -804,13 +804,15 @@ class RecordProblem(Problem):
     def _in_time(self, draw: Draws, b: Array, columns: Mapping[str, Array]) -> Array:
         """Return the level at the beginning and the end from its mean (2, k)."""
         frame, plain = self.model.frame, self.model.split(draw.node, draw.random)
-        level, slope = np.split(b, 2)
+        rows, (level, slope) = self.model.balance.rows(MIDDLE), np.split(b, 2)
         moved = columns["drift"] @ level
         if self._one_way:  # a force and a place pass for time, and so does viscosity
-            share = float(np.median(np.abs(self.model.balance.rows(MIDDLE).velocity))) / frame.top
-            moved += columns["drift"] @ (plain["zero"] + share * slope)
-            moved += sum(columns[x] @ plain[x] for x in ("place", "force"))
-        return np.asarray(moved[[0, -1]] - np.mean(moved, axis=0))
+            share = float(np.median(np.abs(rows.velocity))) / frame.top
+            beside = columns["drift"] @ plain["zero"] + columns["force"] @ plain["force"]
+            moved += columns["drift"] @ (share * slope) + columns["place"] @ plain["place"]
+            moved += frame.sides[0] * beside
+        ends = [int(np.argmin(rows.time)), int(np.argmax(rows.time))]
+        return np.asarray(moved[ends] - np.mean(moved, axis=0))
 
     def _sentence(
         self, name: str, size: float, draws: Sequence[Draws], ends: Sequence[float]
