@@ -542,10 +542,28 @@ def test_motor_drives_report_turns(tmp_path, names):
     assert any("turns" in doubt and "--unit position=" in doubt for doubt in guess.doubts)
 
 
+def test_estimates_of_a_cart_are_no_motor_drive(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{t:.2f},{x:.6f},{v:.6f},1\n" for t, x, v in zip(T, X, V, strict=True))
+    path.write_text("time,cart_pos_estimate [m],cart_vel_estimate [m/s],force [N]\n" + rows)
+    guess, record = read(path)
+    assert not guess.turning
+    assert record.position == pytest.approx(X, abs=1e-5)
+
+
+def test_a_dynamixel_that_reports_its_load_is_no_feetech(tmp_path):
+    path = tmp_path / "a.csv"
+    names = "Present_Input_Voltage,Present_PWM"
+    path.write_text(registers("Dynamixel").replace(names, "Present_Load,Present_PWM"))
+    guess, record = read(path)
+    assert record.velocity[0] == pytest.approx(2 * np.pi / 4096 * 1800, rel=0.01)
+    assert not any("SCS" in doubt for doubt in guess.doubts)
+
+
 def test_a_servo_that_logs_no_duty_is_a_dynamixel_with_doubt(tmp_path):
     path = tmp_path / "a.csv"
-    lines = registers("Dynamixel").replace("Present_PWM", "Label").splitlines()
-    path.write_text("\n".join(lines))
+    names = "Present_Input_Voltage,Present_PWM"
+    path.write_text(registers("Dynamixel").replace(names, "Label,Part"))
     guess, record = read(path)
     assert guess.turning
     assert record.position[0] == pytest.approx(np.pi, abs=1e-2)

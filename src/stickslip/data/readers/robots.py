@@ -42,10 +42,10 @@ class Servo:
     """A family of servos or drives."""
 
     title: str
-    registers: Collection[str]
-    """How registers end of which a log has one."""
-    marks: Collection[str]
-    """How registers end that no other family has."""
+    registers: str
+    """Pattern of names of columns, of which a log has one."""
+    marks: str
+    """Pattern of others, by which the family is told from those below."""
     units: Mapping[str, str]
     """Quantity -> unit of its numbers."""
     gains: Mapping[str, float | str] = field(default_factory=dict)
@@ -91,10 +91,9 @@ def servo_of(names: Collection[str]) -> Servo | None:
     >>> servo_of(["time", "axis0.pos_estimate"]).title
     'an ODrive'
     """
-    known = [register_name(name) for name in names]
 
-    def has(ends: Collection[str]) -> bool:
-        return any(name.endswith(tuple(ends)) for name in known)
+    def has(pattern: str) -> bool:
+        return any(re.fullmatch(pattern, register_name(name)) for name in names)
 
     return next((servo for servo in SERVOS if has(servo.registers) and has(servo.marks)), None)
 
