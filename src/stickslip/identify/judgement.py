@@ -34,7 +34,6 @@ from stickslip.identify.bands import (
 )
 from stickslip.identify.fits import CHANCE
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve, term_title
-from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure, family_of
 from stickslip.identify.projection import (
     EXACT,
@@ -332,9 +331,9 @@ class Problem(ABC):
             " compare laws that are."
         )
 
-    def slips(self, rows: Any) -> Slipping:
-        """Return velocities, loads and inputs at rows."""
-        raise NotImplementedError
+    def slips(self, rows: Any) -> Any:
+        """Return velocities, loads and inputs at rows, which are `Slips`."""
+        return rows
 
     def metric(self, places: Any, allowed: Array) -> tuple[Any, Array]:
         """Return rows at which a law is laid through a curve, and by what weights (n,) or (m, n).

@@ -56,17 +56,11 @@ EITHER = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SteadyRows:
-    """Steady sliding."""
+class SteadyRows(Slips):
+    """Steady sliding, whose inputs count from their means, over their standard deviations."""
 
-    velocity: Array
-    """Velocities (n,) [m/s]."""
-    load: Array
-    """Loads (n,) [N]."""
     ratio: Array
     """Loads over the usual one (n,)."""
-    inputs: Mapping[str, Array]
-    """Inputs (n,) from their means, over their standard deviations."""
     transmitted: Array | float = 0.0
     """What the gear transmits over the ratio of loads (n,) [N]."""
 
