@@ -134,12 +134,8 @@ class JointLawFit(_OfJoints, Fit[Laws]):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the measurement does not tell, in sentences."""
         said = () if self.verdict is None else self.verdict.words.cannot_tell
         return (*self.untold, *said)
-
-    def _notes(self) -> Sequence[str]:
-        return self.sentences
 
     def law_estimates(self) -> LawEstimates:
         fits = self.fits
