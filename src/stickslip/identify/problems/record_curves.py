@@ -23,7 +23,6 @@ from stickslip.identify.problems.record_model import (
     stretches,
 )
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows
-from stickslip.identify.problems.record_signals import Record
 
 FARTHEST = 3.0
 """E-folds of speed beyond those resolved that count."""
@@ -70,13 +69,7 @@ class OtherRows:
     """Rows of other records."""
 
     balance: Balance
-
-    @classmethod
-    def of(
-        cls, model: RecordModel, records: Sequence[Record], *, rests: bool = False
-    ) -> "OtherRows":
-        """Return the rows of other records, in motion or at rest, filtered as those fitted."""
-        return cls(balance=Balance(records, like=model.balance, rests=rests))
+    """They in motion or at rest, filtered as those fitted."""
 
     @property
     def rows(self) -> BalanceRows:
