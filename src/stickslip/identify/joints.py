@@ -622,11 +622,7 @@ def _verdict(
         for estimate in fit.estimates
     ]
     try:
-        moved = (
-            with_values(rig, "mechanism", {value.path: value.value for value in values})
-            if values
-            else rig
-        )
+        moved = with_values(rig, "mechanism", {value.path: value.value for value in values})
     except ParameterError:  # what the motion tells is no links one by one: those of the fit are
         moved = rig
     fitted = JointLawFit(
