@@ -301,6 +301,12 @@ def estimated(
     return tuple(result)
 
 
+def pooled(fits: Sequence[AnyFit], path: str) -> tuple[float, float]:
+    """Return between which values a parameter lies, over the laws that have it."""
+    ends = [np.quantile(fit.draws[path], ENDS) for fit in fits if path in fit.draws]
+    return min(float(low) for low, _ in ends), max(float(high) for _, high in ends)
+
+
 def _second(one: SimulatedCandidate) -> float | None:
     """Return the root mean square of what a law is off on a second record; None without one."""
     errors = [*one.second.values()]
@@ -405,9 +411,8 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def over_all(self, fits: Sequence[AnyFit], one: Estimate) -> Estimate:
         """Return an estimate of the closest law with its interval over the laws that have it."""
-        ends = [np.quantile(fit.draws[one.path], ENDS) for fit in fits if one.path in fit.draws]
-        low, high = np.transpose([*ends, (one.low, one.high)])
-        return replace(one, low=float(low.min()), high=float(high.max()))
+        low, high = pooled(fits, one.path)
+        return replace(one, low=min(low, one.low), high=max(high, one.high))
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         """Return what a law is off on another record, by what is compared."""
