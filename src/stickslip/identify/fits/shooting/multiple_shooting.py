@@ -18,12 +18,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.levenberg_marquardt import STEEPEST, ResidualJacobian
 from stickslip.identify.fits.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SURE
-from stickslip.identify.fits.shooting.initial_states import (
-    LocalState,
-    Ways,
-    followed,
-    settled,
-)
+from stickslip.identify.fits.shooting.initial_states import LocalState, Start, Ways
 from stickslip.identify.fits.shooting.sampled_loops import (
     LoopInSegment,
     run_through,
@@ -121,12 +116,11 @@ class Shooting:
 
         def one(k: int, before: LocalState | None) -> LocalState | None:
             segment, mechanism = segments[k], mechanisms[id(segments[k].mechanism)]
-            shoot = partial(self._shot, segment, mechanism, law)
-            at_rest = _may_rest(segment, self.quantity)
-            own, most = segment.rest, self.steps
-            if before is None:
-                return settled(segment.guess, own, shoot, at_rest=at_rest, rounds=most)
-            return followed(before, change, own, shoot, at_rest=at_rest, rounds=most)
+            start = Start(
+                shoot=partial(self._shot, segment, mechanism, law), rest=segment.rest,
+                at_rest=_may_rest(segment, self.quantity), rounds=self.steps,
+            )  # fmt: skip
+            return start.followed(before, change) if before else start.settled(segment.guess)
 
         return self._joined(
             values, on_threads(lambda k: one(k, known.get(k)), range(len(self.segments)))
