@@ -17,7 +17,7 @@ from stickslip.identify.fits import (
     measured_quantity,
     segments_of,
 )
-from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Ways, followed
+from stickslip.identify.fits.shooting.initial_states import AGREE, Known, LocalState, Start, Ways
 from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import parameters
 
@@ -218,6 +218,7 @@ def test_where_a_moved_start_cannot_be_stepped_from_the_old_one_is_tried():
     def shoot(state):
         return segment(state, 1.0) if not state.any() else segment(state, 0.1, able=False)
 
-    found = followed(before, np.zeros(1), np.zeros(2), shoot, at_rest=False)
+    start = Start(shoot=shoot, rest=np.zeros(2), at_rest=False)
+    found = start.followed(before, np.zeros(1))
     assert found.misfit == 1.0
     assert pickle.loads(pickle.dumps(found)).misfit == 1.0

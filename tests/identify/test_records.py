@@ -7,13 +7,13 @@ import pytest
 
 from stickslip import Axis, Measurement, Pendulum, select
 from stickslip.errors import InputError
+from stickslip.identify.fits import play
 from stickslip.identify.forces import forces_along
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.problems.record_signals import (
     Filter,
     Record,
     bristle,
-    followed,
     noise_of,
     records_of,
 )
@@ -230,7 +230,7 @@ def test_a_bristle_of_each_exponent_follows_its_equation():
 
 def test_play_follows_at_its_reach():
     x = np.concatenate([np.linspace(0.0, 1.0, 101), np.full(100, 1.0)])
-    np.testing.assert_allclose(followed(x, 0.05)[100], 0.95)
+    np.testing.assert_allclose(play(x, 0.05)[100], 0.95)
 
 
 def test_noise_is_that_of_the_quiet_parts_or_the_step_of_the_encoder():

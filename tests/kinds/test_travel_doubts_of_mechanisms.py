@@ -194,7 +194,8 @@ def test_without_uncertainties_of_the_rig_nothing_changes():
     s = [0.0735, 0.1300, 0.2039]
     found = fit(BLOCK, CoulombViscous, travels([0.06, 0.08, 0.1], s))
     assert all(estimate.sources == {} for estimate in found.estimates)
-    assert found.chi_square == pytest.approx(sum(r * r for r in found.standardised))
+    pairs = zip(found.residuals, found.standard_errors, strict=True)
+    assert found.chi_square == pytest.approx(sum((r / e) ** 2 for r, e in pairs))
     assert "standard_error_from" not in found.estimates[0].to_dict()
 
 

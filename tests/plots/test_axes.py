@@ -471,7 +471,7 @@ def test_a_law_named_in_the_table_of_plots_is_found_by_its_base():
 def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
     @dataclass(frozen=True, kw_only=True, repr=False)
     class BareFit(Fit):
-        law_estimates = _notes = to_dict = None
+        law_estimates = sentences = to_dict = None
 
     @dataclass(frozen=True, kw_only=True)
     class BareCandidate(Candidate):

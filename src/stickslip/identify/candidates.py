@@ -201,11 +201,7 @@ class JudgedFit(Fit[AnyLaw_co]):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the measurement does not tell, in sentences."""
         return () if self.verdict is None else self.verdict.words.cannot_tell
-
-    def _notes(self) -> Sequence[str]:
-        return self.sentences
 
     def to_dict(self) -> Mapping[str, Any]:
         if self.verdict is None:

@@ -18,7 +18,7 @@ from stickslip.identify.fits import (
     Estimate,
     Fit,
 )
-from stickslip.maths import Latches, Scalar
+from stickslip.maths import Latches
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.quantities import parameters
 from stickslip.show.described import Described
@@ -109,20 +109,14 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
 # Which estimates of a fit may be quoted one by one, and what limits their intervals.
 
 
-def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
-    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
+def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
+    """Return what limits each interval of a fit, with the path of the parameter.
 
     It is the record or the readings, or the uncertainty of the mechanism.
     """
-    if not estimate.sources:
-        return ""
-    return limit_text(estimate, fit.rig_uncertainties, fit.readings)
-
-
-def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
-    """Return what limits each interval of a fit, with the path of the parameter."""
-    limits = {estimate.path: limit_of(fit, estimate).strip() for estimate in fit.estimates}
-    return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
+    stated = {item.path: item for item in fit.estimates if item.sources}
+    limits = {p: limit_text(x, fit.rig_uncertainties, fit.readings) for p, x in stated.items()}
+    return tuple(f"{path}:{limit}" for path, limit in limits.items() if limit)
 
 
 def limit_text(
@@ -281,23 +275,11 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
         nudge = NUDGE * float(np.abs(z).max())
         if nudge == 0.0:
             continue
-        above, below = (
-            _rates(
-                law,
-                seen[rate],
-                seen["normal_force"],
-                (*deflections[:i], z + side * nudge, *deflections[i + 1 :]),
-            )[i]
-            for side in (1.0, -1.0)
-        )
-        decay = np.abs(np.asarray(above - below)) / (2.0 * nudge)
+        rates = []
+        for side in (nudge, -nudge):
+            states = (*deflections[:i], z + side, *deflections[i + 1 :])
+            with Latches([True] * len(states)):  # where every element slips, each by itself
+                rates.append(law.rates(seen[rate], seen["normal_force"], states)[i])
+        decay = np.abs(np.asarray(rates[0] - rates[1])) / (2.0 * nudge)
         fastest = max(fastest, float(decay.max()))
     return 2.0 / fastest if fastest > 0.0 else None
-
-
-def _rates(
-    law: FrictionLaw, v: Scalar, load: Scalar, states: tuple[Scalar, ...]
-) -> tuple[Scalar, ...]:
-    """Return the rates of states where every element slips, which then change by themselves."""
-    with Latches([True] * len(states)):
-        return law.rates(v, load, states)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.identify.bands import ALIKE, Array, PredictionBand
+from stickslip.identify.bands import ALIKE, Array, MeasuredPoints, PredictionBand
 from stickslip.show.formatting import number, scale_of
 from stickslip.show.plots import C1, C3, DATA, MAP_SIZES, on_axes
 
@@ -27,17 +27,9 @@ MARKERS = ("o", "s", "^", "D")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BandDrawing:
+class BandDrawing(MeasuredPoints):
     """What the figure of a verdict shows, in SI units."""
 
-    velocity: Array
-    """Velocities of the readings (n,)."""
-    friction: Array
-    """Their friction (n,)."""
-    load: Array
-    """Their loads (n,)."""
-    weights: Array
-    """Their weights (n,)."""
     speeds: Array
     """Velocities of the band (m,)."""
     band: PredictionBand

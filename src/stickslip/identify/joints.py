@@ -134,12 +134,8 @@ class JointLawFit(_OfJoints, Fit[Laws]):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the measurement does not tell, in sentences."""
         said = () if self.verdict is None else self.verdict.words.cannot_tell
         return (*self.untold, *said)
-
-    def _notes(self) -> Sequence[str]:
-        return self.sentences
 
     def law_estimates(self) -> LawEstimates:
         fits = self.fits
@@ -626,11 +622,7 @@ def _verdict(
         for estimate in fit.estimates
     ]
     try:
-        moved = (
-            with_values(rig, "mechanism", {value.path: value.value for value in values})
-            if values
-            else rig
-        )
+        moved = with_values(rig, "mechanism", {value.path: value.value for value in values})
     except ParameterError:  # what the motion tells is no links one by one: those of the fit are
         moved = rig
     fitted = JointLawFit(

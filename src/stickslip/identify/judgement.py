@@ -34,7 +34,6 @@ from stickslip.identify.bands import (
 )
 from stickslip.identify.fits import CHANCE
 from stickslip.identify.laws import LINEAR, Composition, Sliding, drawn_curve, term_title
-from stickslip.identify.own_laws import Slipping
 from stickslip.identify.posterior import Draws, Family, Structure, family_of
 from stickslip.identify.projection import (
     EXACT,
@@ -332,9 +331,9 @@ class Problem(ABC):
             " compare laws that are."
         )
 
-    def slips(self, rows: Any) -> Slipping:
-        """Return velocities, loads and inputs at rows."""
-        raise NotImplementedError
+    def slips(self, rows: Any) -> Any:
+        """Return velocities, loads and inputs at rows, which are `Slips`."""
+        return rows
 
     def metric(self, places: Any, allowed: Array) -> tuple[Any, Array]:
         """Return rows at which a law is laid through a curve, and by what weights (n,) or (m, n).
@@ -668,10 +667,7 @@ class Judgement:
         It slides as the ladder says in both directions, beside the offset if no level holds it. The
         law is None where no law of `stickslip.friction` does.
         """
-        composed = self.problem.composition(
-            rung.structure, rung.coefficients[None], offset=self.offset
-        )
-        composed = replace(composed, rig={**composed.rig, **self.rig})
+        composed = self._composed(rung)
         sliding = self.sliding(self.curve_of(rung, self._both_ways), rung)
         law = composed.law()
         if law is not None and composed.kind is None and not sliding.brakes(law, composed):
@@ -719,10 +715,12 @@ class Judgement:
     @cached_property
     def composition(self) -> Composition:
         """The named law, with what was looked for of the rig."""
-        named = self.named
-        result = self.problem.composition(
-            named.structure, named.coefficients[None], offset=self.offset
-        )
+        return self._composed(self.named)
+
+    def _composed(self, rung: Rung) -> Composition:
+        """Return the law that a rung is, with what was found of the rig."""
+        coefficients = rung.coefficients[None]
+        result = self.problem.composition(rung.structure, coefficients, offset=self.offset)
         return replace(result, rig={**result.rig, **self.rig})
 
     @cached_property

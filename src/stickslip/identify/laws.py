@@ -8,7 +8,7 @@ a law through measured levels (``table[...]``).
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Annotated, ClassVar, TypeAlias
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, SetValuedLaw, bound, curve_through, monotone_slopes
 from stickslip.friction import law as law_class
-from stickslip.identify.own_laws import OwnLaw, is_slope
+from stickslip.identify.own_laws import OwnLaw, is_own, is_slope
 from stickslip.maths import Scalar, where
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
@@ -143,6 +143,25 @@ def own_composition(
         if name not in values
     }
     return Composition(text="", values=values | still, own=first.own)
+
+
+def composed_over(
+    structure: Sequence[tuple[str, tuple[Array | float, ...]]], coefficients: Array, normal: Array,
+    means: Mapping[str, float],
+) -> Composition:  # fmt: skip
+    """Return the law that a structure with coefficients (k, p) is over normal forces (k,).
+
+    `means` are those of inputs of the contact.
+    """
+    if is_own(structure):
+        result = replace(own_composition(structure, coefficients), inputs=means)
+    else:
+        terms: dict[str, tuple[Any, Array]] = {
+            name: (shape, (c if name in FLOWS else c / normal)[:, None])
+            for (name, shape), c in zip(structure, coefficients.T, strict=True)
+        }
+        result = compose(terms, means, len(coefficients))
+    return replace(result, load=normal)
 
 
 def bounds_of(text: str, name: str) -> tuple[float, float]:

@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 from scipy.linalg import qr
@@ -85,12 +85,8 @@ class OwnLaw:
         """Return the law at values (p,) of what is varied, inside their ranges."""
         own = dict[str, float]()
         for name, quantity, value in zip(self.varied, self.quantities, values, strict=True):
-            low = (
-                quantity.low
-                if quantity.above is None
-                else max(quantity.low, quantity.above + 1e-12)
-            )
-            own[name] = min(max(float(value), low), quantity.high)
+            above = -math.inf if quantity.above is None else quantity.above + 1e-12
+            own[name] = min(max(float(value), quantity.low, above), quantity.high)
         for name, quantity in fields_of(type(self.law)).items():
             least, held = quantity.at_least, getattr(self.law, name)
             if least is not None and name in own:
@@ -111,12 +107,12 @@ class OwnLaw:
             return own
         return found[base] if own == getattr(self.law, base) else np.maximum(own, found[base])
 
-    def friction(self, values: Sequence[float], rows: "Slipping") -> Array:
+    def friction(self, values: Sequence[float], rows: "Slips") -> Array:
         """Return steady friction at rows (n,)."""
         law = bound(self.at(values), rows.inputs) if self.law.inputs else self.at(values)
         return np.asarray(law.steady(rows.velocity, rows.load) + 0.0 * rows.velocity, dtype=float)
 
-    def columns(self, values: Sequence[float], rows: "Slipping") -> Array:
+    def columns(self, values: Sequence[float], rows: "Slips") -> Array:
         """Return the rest, then the change with each parameter, at rows (n, 1 + p)."""
         result, middle = [], self.friction(values, rows)
         for k in range(len(self.varied)):
@@ -140,7 +136,7 @@ class OwnLaw:
             terms.append((term, tuple(map(float, values))))
         return tuple(sorted(terms, key=lambda item: item[0]))
 
-    def fitted(self, target: Array, allowed: Array, rows: "Slipping") -> "OwnLaw":
+    def fitted(self, target: Array, allowed: Array, rows: "Slips") -> "OwnLaw":
         """Return the law as it fits friction at rows (n,) best, by the deviations allowed (n,).
 
         A constant offset may stand beside it where both directions were seen. What nothing tells,
@@ -220,7 +216,7 @@ class OwnLaw:
             untold=tuple(name for name, x in zip(self.varied, lost, strict=True) if x),
         )
 
-    def holds_constant(self, rows: "Slipping") -> bool:
+    def holds_constant(self, rows: "Slips") -> bool:
         """Return whether its parameters can stand for a constant force at rows.
 
         Levels that differ by direction do under one load: an offset beside them is not told.
@@ -236,29 +232,16 @@ class OwnLaw:
         return [getattr(self.law, name) for name in self.varied]
 
 
-class Slipping(Protocol):
-    """Where a law is asked."""
-
-    @property
-    def velocity(self) -> Array:
-        """Velocities (n,) [m/s]."""
-
-    @property
-    def load(self) -> Array:
-        """Normal forces (n,) [N]."""
-
-    @property
-    def inputs(self) -> Mapping[str, Array]:
-        """Temperatures and other inputs of the contact (n,)."""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Slips:
-    """Velocities [m/s], loads [N] and inputs (n,) of steady sliding."""
+    """Where a law is asked: steady sliding."""
 
     velocity: Array
+    """Velocities (n,) [m/s]."""
     load: Array
+    """Normal forces (n,) [N]."""
     inputs: Mapping[str, Array]
+    """Temperatures and other inputs of the contact (n,)."""
 
 
 def is_own(structure: Sequence[tuple[str, Any]]) -> bool:
@@ -278,7 +261,7 @@ def signed_of(structures: Sequence[Structure]) -> frozenset[str]:
     return frozenset(name for name in terms if is_slope(name) and may_be_negative(name))
 
 
-def slope_column(column: Column, rows: Slipping) -> Array:
+def slope_column(column: Column, rows: Slips) -> Array:
     """Return the column of a term of such a law at rows (n,)."""
     name, shape = column
     assert is_slope(name)

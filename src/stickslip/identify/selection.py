@@ -476,9 +476,9 @@ def run_sentences(
         return []
     left = problem.followed(judgement.named)
     unit = measurement.unit("position" if problem.balance.each[0].record.located else "velocity")
-    if not math.isfinite(left.typical):
+    if not math.isfinite(left):
         return ["A run of the law does not follow the motion."]
     return [
-        f"A run of the law leaves {quantity(left.typical, unit, 2)} of the motion (root mean"
-        f" square); a reading has an error of {quantity(left.error, unit, 2)}."
+        f"A run of the law leaves {quantity(left, unit, 2)} of the motion (root mean"
+        f" square); a reading has an error of {quantity(problem.model.sigma, unit, 2)}."
     ]

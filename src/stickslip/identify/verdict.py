@@ -527,10 +527,7 @@ def drawing_of(
     loads = [item for item in loads_apart(points.load) if item]
     by_load = {load: (judgement.band(problem.at(speeds, load)), at(load)) for load in loads}
     return BandDrawing(
-        velocity=points.velocity,
-        friction=points.friction,
-        load=points.load,
-        weights=points.weights,
+        **vars(points),
         speeds=speeds,
         band=band,
         law=at(None),

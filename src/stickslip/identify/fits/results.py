@@ -221,6 +221,11 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         """What was measured, as the subject of a sentence."""
         return "the record"
 
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What the measurement does not tell, in sentences."""
+        return ()
+
     def _plot(self, ax: "Target") -> "Drawing":
         """Draw the fit beside what was measured; a class of fits without a plot says so."""
         raise InputError(
@@ -262,12 +267,8 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         ]
         head = ("parameter", "symbol", "value", "unit", "range", "interval")
         return Summary(
-            sentence=str(self).partition("\n")[0], head=head, rows=rows, notes=self._notes()
+            sentence=str(self).partition("\n")[0], head=head, rows=rows, notes=self.sentences
         )
-
-    def _notes(self) -> Sequence[str]:
-        """Return what a notebook says of the fit below its estimates."""
-        return ()
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the fit as plain numbers and strings."""

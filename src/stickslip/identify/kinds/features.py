@@ -232,7 +232,37 @@ class FeatureKind(SimulatedKind):
         }  # fmt: skip
 
     def advised(self, fits: Sequence[AnyFit]) -> Sequence[OtherSetting]:
-        return other_settings(fits)
+        """Return what the closest law and its rivals predict elsewhere, the most telling first."""
+        problem = fits[0].problem
+        first = problem.first
+        values, blocks = [], []
+        for name, factors in OTHERS.items():
+            for factor in factors:
+                value = factor * float(getattr(first.block, name))
+                block: TowedBlock = with_values(
+                    first.block, "mechanism", {f"mechanism.{name}": value}
+                )
+                if all(block != setting.block for setting in problem.settings):
+                    values.append((name, value))
+                    blocks.append(block)
+        every = [draws_of(fit, blocks, int(ENOUGH)) for fit in fits]
+        chosen = np.linspace(0, len(fits[0].family.points) - 1, int(ENOUGH)).astype(np.intp)
+        points = fits[0].family.points[chosen, : len(problem.laws[fits[0].name].free)]
+        result = []
+        for k, (name, value) in enumerate(values):
+            rows = [features[:, k] for features in every]
+            works = [np.isfinite(row).all(axis=1) for row in rows]
+            if not min(float(np.mean(row[:, 0] > 0.0)) for row in rows) > 0.8:  # NaN is no cycle
+                continue  # a record of steady sliding has no features
+            predicted = {
+                fit.name: dict(zip(COMPARED, np.median(row[ok], axis=0).tolist(), strict=True))
+                for fit, row, ok in zip(fits, rows, works, strict=True)
+            }
+            least = READ * first.features.compared
+            seen = [np.log(np.maximum(row[ok], least)) for row, ok in zip(rows, works, strict=True)]
+            width = width_after(points[works[0]], seen)
+            result.append(OtherSetting(name, value, predicted, width))
+        return tuple(sorted(result, key=lambda item: item.expected_width))
 
     def pieces(
         self, fit: AnyFit, others: Sequence[AnyFit]
@@ -290,45 +320,10 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
     return with_values(start, "friction", changes) if changes else start
 
 
-# Other settings.
-
-
 def draws_of(fit: AnyFit, blocks: Sequence[TowedBlock], count: int) -> Array:
     """Return draws of the features (k, b, 3) of another run at settings; NaN of failed runs."""
     which = np.linspace(0, len(fit.family.points) - 1, count).astype(np.intp)
     return np.asarray(fit.problem.foreseen(fit.name, fit.family, blocks, which))
-
-
-def other_settings(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
-    """Return what the closest law and its rivals predict elsewhere, the most telling first."""
-    problem = fits[0].problem
-    first = problem.first
-    values, blocks = [], []
-    for name, factors in OTHERS.items():
-        for factor in factors:
-            value = factor * float(getattr(first.block, name))
-            block: TowedBlock = with_values(first.block, "mechanism", {f"mechanism.{name}": value})
-            if all(block != setting.block for setting in problem.settings):
-                values.append((name, value))
-                blocks.append(block)
-    every = [draws_of(fit, blocks, int(ENOUGH)) for fit in fits]
-    chosen = np.linspace(0, len(fits[0].family.points) - 1, int(ENOUGH)).astype(np.intp)
-    points = fits[0].family.points[chosen, : len(problem.laws[fits[0].name].free)]
-    result = []
-    for k, (name, value) in enumerate(values):
-        rows = [features[:, k] for features in every]
-        works = [np.isfinite(row).all(axis=1) for row in rows]
-        if not min(float(np.mean(row[:, 0] > 0.0)) for row in rows) > 0.8:  # NaN is no cycle
-            continue  # a record of steady sliding has no features
-        predicted = {
-            fit.name: dict(zip(COMPARED, np.median(row[ok], axis=0).tolist(), strict=True))
-            for fit, row, ok in zip(fits, rows, works, strict=True)
-        }
-        least = READ * first.features.compared
-        seen = [np.log(np.maximum(row[ok], least)) for row, ok in zip(rows, works, strict=True)]
-        width = width_after(points[works[0]], seen)
-        result.append(OtherSetting(name, value, predicted, width))
-    return tuple(sorted(result, key=lambda item: item.expected_width))
 
 
 def motion(predicted: Mapping[str, float]) -> str:

@@ -1,6 +1,7 @@
 """Records of several joints: judged joint by joint, with the links that all tell together."""
 
 from collections.abc import Collection, Sequence
+from itertools import chain
 
 from stickslip.data import Measurement
 from stickslip.identify import (
@@ -38,12 +39,11 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
         return law, vary
 
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
-        own = {
-            name: 0
-            for contact in mechanism.contacts()
-            for name in input_names(mechanism, contact.name)
-        }
-        return (*own, *measurement.input_names())  # fits ask for those of each contact
+        own = [input_names(mechanism, contact.name) for contact in mechanism.contacts()]
+        return (
+            *dict.fromkeys(chain(*own)),
+            *measurement.input_names(),
+        )  # fits ask for those of each contact
 
     def fit(self, request: Request) -> JointLawFit:
         return fit_joints(laws=request.law, **request.arguments("settings"))

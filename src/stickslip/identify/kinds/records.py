@@ -8,7 +8,6 @@ from stickslip.data import Measurement, refuse_unused
 from stickslip.errors import InputError
 from stickslip.identify import (
     BandVerdict,
-    Fit,
     LawFit,
     fitted_law,
     importance,
@@ -45,7 +44,7 @@ def refuse_overrides(measurement: Measurement, paths: Collection[str]) -> None:
                 )
 
 
-class BandKind(Kind[Fit[Any], BandVerdict]):
+class BandKind(Kind[LawFit, BandVerdict]):
     """Laws are compared, and one is fitted, by the posterior of `stickslip.identify`."""
 
     uses = frozenset({"route", "validate", "tolerance"})
@@ -53,11 +52,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return ["laws"]
 
-    def fit(self, request: Request) -> Fit[Any]:
-        return self._fit(request)
-
-    def _fit(self, request: Request) -> LawFit:
-        """Return the fit of one law by the posterior."""
+    def fit(self, request: Request) -> LawFit:
         law: Any = self.owner(request.law)
         chosen = request.parameters(law)
         check_inputs(chosen.law, chosen.mechanism, request.measurement)
@@ -87,8 +82,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             fitted=(f"{closest.title}, if it holds", values) if values else None,
         )
 
-    def summary(self, fit: Fit[Any], validate: Measurement | None = None) -> FitSummary:
-        assert isinstance(fit, LawFit)
+    def summary(self, fit: LawFit, validate: Measurement | None = None) -> FitSummary:
         assert fit.verdict is not None
         words, second = fit.verdict.words, None
         lines = [words.verdict, words.lede, *words.settles[:1]]
@@ -100,7 +94,7 @@ class BandKind(Kind[Fit[Any], BandVerdict]):
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
             second=second,
-            trials=compared(fit, lambda **given: self._fit(Request(**given))),
+            trials=compared(fit, lambda **given: self.fit(Request(**given))),
         )
 
     def sections(

@@ -307,12 +307,6 @@ def pooled(fits: Sequence[AnyFit], path: str) -> tuple[float, float]:
     return min(float(low) for low, _ in ends), max(float(high) for _, high in ends)
 
 
-def over_all(fits: Sequence[AnyFit], one: Estimate) -> Estimate:
-    """Return an estimate with its interval over the laws that have the parameter."""
-    low, high = pooled(fits, one.path)
-    return replace(one, low=min(low, one.low), high=max(high, one.high))
-
-
 def _second(one: SimulatedCandidate) -> float | None:
     """Return the root mean square of what a law is off on a second record; None without one."""
     errors = [*one.second.values()]
@@ -417,7 +411,8 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def over_all(self, fits: Sequence[AnyFit], one: Estimate) -> Estimate:
         """Return an estimate of the closest law with its interval over the laws that have it."""
-        return over_all(fits, one)
+        low, high = pooled(fits, one.path)
+        return replace(one, low=min(low, one.low), high=max(high, one.high))
 
     def errors(self, fit: AnyFit, measurement: Measurement) -> Mapping[str, float]:
         """Return what a law is off on another record, by what is compared."""

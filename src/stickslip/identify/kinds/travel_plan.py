@@ -315,7 +315,8 @@ def plan(
     repeats = max(LEAST, *(many or 0 for many in tellings.values()), 0)
     band = band_of(now.travels(places))
     expectations = {name: bench.estimates(name, repeats) for name in kept}
-    expected = np.max([bench.half_widths(name, repeats) for name in kept], axis=0)
+    halves = [bench.half_widths(name, repeats)[-len(places) :] for name in kept]
+    expected = np.max(halves, axis=0)
     rows = tuple(
         Separation(
             path=knob,
@@ -407,17 +408,15 @@ class _Bench:
         return np.asarray(covariance - read.T @ np.linalg.solve(own, read))
 
     def half_widths(self, name: str, repeats: int) -> Array:
-        """Return half the width of the band (m,) [m] that the runs leave if a law holds."""
-        own = np.diag(self.left(name, repeats))[-len(self.places) :]
+        """Return half widths that the runs leave if a law holds: of parameters, then of travels."""
+        own = np.diag(self.left(name, repeats))
         return np.asarray(ndtri(JudgedTravels.ends[1]) * np.sqrt(np.maximum(own, 0.0)))
 
     def estimates(self, name: str, repeats: int) -> tuple[Estimate, ...]:
         """Return the intervals of parameters to expect if a law holds, or why there is none."""
         law, free = self.typical[name], self.now.law_of(name).model.free
-        halves = ndtri(JudgedTravels.ends[1]) * np.sqrt(
-            np.maximum(np.diag(self.left(name, repeats)), 0.0)
-        )
-        known, result = dict(zip(free, halves.tolist(), strict=False)), []
+        halves = self.half_widths(name, repeats).tolist()
+        known, result = dict(zip(free, halves, strict=False)), []
         for path, asked, value in parameters(law, "friction"):
             last, half = path.rpartition(".")[2], known.get(path, math.inf)
             if path not in free and last not in ADVICE:
@@ -489,11 +488,8 @@ class _Bench:
 
     def _part(self, path: str, doubt: float, repeats: int) -> float:
         """Return the part of a source: what differs from run to run averages out."""
-        return (
-            self._per_unit[path]
-            * doubt
-            / (math.sqrt(repeats) if path in (READINGS, self._knob) else 1.0)
-        )
+        many = repeats if path in (READINGS, self._knob) else 1
+        return self._per_unit[path] * doubt / math.sqrt(many)
 
     def needed(self, repeats: int) -> dict[str, float]:
         """Return by path how well the rig is to be known for its part in the level to be small.

@@ -378,39 +378,15 @@ class TravelFit(SimulatedFit[AnyLaw_co]):
         return tuple(self.judgement.errors.tolist())
 
     @property
-    def stated(self) -> bool:
-        """Whether an uncertainty of the travels was stated."""
-        return self.judgement.stated
-
-    @property
-    def misfit(self) -> bool:
-        """Whether the travels are far from the law, for what was stated."""
-        return self.judgement.misfit
-
-    @property
     def residuals(self) -> tuple[float, ...]:
         """Measured less predicted travel [m], one a trial."""
         return tuple(m - p for m, p in zip(self.measured, self.predicted, strict=True))
 
     @property
-    def scatter(self) -> float:
-        """Root mean square of the residuals [m]."""
-        return math.sqrt(sum(residual**2 for residual in self.residuals) / len(self.residuals))
-
-    @property
-    def freedom(self) -> int:
-        """Number of readings less number of fitted parameters."""
-        return len(self.measured) - len(self.estimates)
-
-    @property
-    def standardised(self) -> tuple[float, ...]:
-        """Residuals over the standard errors of the travels, one a trial."""
-        return tuple(r / e for r, e in zip(self.residuals, self.standard_errors, strict=True))
-
-    @property
     def chi_square(self) -> float:
-        """Sum of the squares of `standardised`."""
-        return sum(item**2 for item in self.standardised)
+        """Sum of the squares of the residuals over the standard errors of the travels."""
+        pairs = zip(self.residuals, self.standard_errors, strict=True)
+        return sum((residual / error) ** 2 for residual, error in pairs)
 
     @property
     def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
@@ -772,13 +748,12 @@ def _estimates(one: Any) -> Sequence[Estimate]:
     return one.fit.estimates if one.fit else ()
 
 
-def _value(one: Estimate) -> str:
-    value = with_unit(within(one.value, one.low, one.high), one.quantity.unit)
-    return f"${one.quantity.symbol}$ = {value}"
-
-
 def _fitted(one: Any) -> str | None:
-    return ", ".join(map(_value, _estimates(one))) or None
+    parts = [
+        f"${e.quantity.symbol}$ = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
+        for e in _estimates(one)
+    ]
+    return ", ".join(parts) or None
 
 
 def _ranges(one: Any) -> str:
@@ -793,10 +768,6 @@ def _as_read(one: Any) -> str | None:
     trial = one.problem.trials[0]
     plainly = not one.criteria or not quantities_read(one.problem.trials)
     return None if plainly else trial.as_read(_travel(one))
-
-
-def _forward(one: Any) -> str | None:
-    return one.criteria and ("yes" if one.criteria.velocity_never_negative else "no")
 
 
 TRAVEL_COLUMNS: Final[Columns[Any]] = (
@@ -820,7 +791,8 @@ TRAVEL_COLUMNS: Final[Columns[Any]] = (
     Column(title="as read", optional=True, value=_as_read, text=_as_read),
     Column(
         title="velocity never < 0", page="velocity\nnever < 0", phone="label",
-        label="velocity never < 0", text=_forward,
+        label="velocity never < 0",
+        text=lambda item: item.criteria and ("no", "yes")[item.criteria.velocity_never_negative],
     ),
     Column(
         key="score", title="held-out error", page="held-out error", phone="label", optional=True,
@@ -1000,7 +972,7 @@ class TravelKind(SimulatedKind):
         left, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
         is_far = judgement.misfit
         if fit.problem.alone and judgement.stated and not judgement.explained:
-            left = max(left, fit.scatter)  # of one law that was chosen, not what a curve leaves
+            left = max(left, fit.family.rms)  # of one law that was chosen, not what a curve leaves
             is_far = left > THRESHOLDS.misfit * stated
         if is_far:
             return (
@@ -1016,7 +988,7 @@ class TravelKind(SimulatedKind):
         return super().about(fit) if problem.alone else _band_text(problem)
 
     def left(self, fit: Any) -> str:
-        return quantity(fit.scatter, "m", 2)
+        return quantity(fit.family.rms, "m", 2)
 
     def settled(self, fit: Any) -> Iterator[str]:
         problem: JudgedTravels = fit.problem
@@ -1091,8 +1063,8 @@ class TravelKind(SimulatedKind):
         return {
             "measured_travel": list(fit.measured),
             "predicted_travel": list(fit.predicted),
-            "chi_square": fit.chi_square if fit.stated else None,
-            "degrees_of_freedom": fit.freedom,
+            "chi_square": fit.chi_square if fit.judgement.stated else None,
+            "degrees_of_freedom": len(fit.measured) - len(fit.estimates),
             "runs": fit.runs,
         }
 

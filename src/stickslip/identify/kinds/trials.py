@@ -134,7 +134,7 @@ class TrialComparison(InPanels, Tabular):
     interval."""
     lines: tuple[ConditionLine, ...]
     """Parameters as lines over numeric conditions."""
-    sentences: tuple[str, ...]
+    sentences: tuple[str, ...] = ()
     """What can be said, in words; the first one says whether the trials share the law."""
     failed: Mapping[str, str] = field(default_factory=dict)
     """Why a trial could not be fitted, by its name."""
@@ -293,11 +293,8 @@ def comparison_of(
         raise InputError(
             f"fewer than two trials could be fitted alone: {joined([*failed.values()])}"
         )
-    result = _Differences.of(trials)
-    return TrialComparison(
-        fit=joint, trials=tuple(trials), probability=result.probability, spread=result.spread,
-        lines=result.lines, sentences=tuple(_sentences(trials, result, failed)), failed=failed,
-    )  # fmt: skip
+    result, texts = _compared(joint, trials, failed)
+    return replace(result, sentences=tuple(_sentences(result, texts)))
 
 
 def _alone(
@@ -340,65 +337,60 @@ def _alone(
     )  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Differences:
-    """What the trials say of their differences."""
+def _compared(
+    joint: LawFit, trials: Sequence[TrialEstimates], failed: Mapping[str, str]
+) -> tuple[TrialComparison, list[tuple[float, str]]]:
+    """Return what the posterior over sizes of differences says of trials.
 
-    probability: float
-    spread: tuple[float, float, float]
-    lines: tuple[ConditionLine, ...]
-    texts: tuple[tuple[float, str], ...]
-    """Probability and words of what differs between texts of a condition."""
-
-    @classmethod
-    def of(cls, trials: Sequence[TrialEstimates]) -> "_Differences":
-        """Return the posterior over sizes of differences, and what it says."""
-        y = np.concatenate([trial.values for trial in trials])
-        count, width = len(trials), len(trials[0].values)
-        weights = np.array([1.0 / np.diag(trial.covariance) for trial in trials])
-        middle = np.sum(weights * y.reshape(count, width), axis=0) / weights.sum(axis=0)
-        size = np.maximum(np.abs(middle), np.min(np.sqrt(1.0 / weights), axis=0))
-        columns, noise = _columns(trials), block_diag(*(trial.covariance for trial in trials))
-        shapes = np.full((count, 1), BROAD), *columns.values(), np.eye(count)
-        parts = [np.kron(x, np.diag(size)) for x in shapes]
-        left, logs, solved = y - np.tile(middle, count), list[float](), []
-        shares = [zip(RUNS, RUNS_PRIOR, strict=True)]
-        shares += [zip(INPUT, INPUTS_PRIOR, strict=True) for _ in columns]
-        for node in itertools.product(*map(list, shares)):
-            run, *sizes = (x for x, _ in node)
-            factors = (1.0, *sizes, run)
-            every = np.hstack([b * x for b, x in zip(factors, parts, strict=True)])
-            inner = every.T @ np.linalg.solve(noise, every) + np.eye(every.shape[1])
-            root = np.linalg.cholesky(inner)
-            z = np.linalg.solve(root, every.T @ np.linalg.solve(noise, left))
-            prior = sum(math.log(p) for _, p in node)
-            logs.append(prior - float(np.sum(np.log(np.diag(root)))) + 0.5 * float(z @ z))
-            solved.append((factors, every, root, z))
-        weight = np.exp(np.array(logs) - logsumexp(logs))
-        random, levels = np.random.default_rng(0), list[Array]()
-        slopes: dict[str, list[Array]] = {name: [] for name in columns}
-        ends = np.cumsum([x.shape[1] for x in parts])[:-1]
-        for (factors, every, root, z), n in zip(solved, allotted(weight, DRAWS), strict=True):
-            drawn = np.linalg.solve(root.T, z[:, None] + random.normal(size=(len(z), n)))
-            levels.append((every @ drawn).T)
-            each = zip(columns, factors[1:], np.split(drawn, ends)[1:], strict=False)
-            for name, b, block in each:
-                slopes[name].append((b * block).T)
-        draws = np.vstack(levels)
-        first = draws.reshape(len(draws), count, width)[:, :, 0]
-        apart = np.std(first, axis=1, ddof=1) / size[0]
-        low, median, high = np.quantile(apart, (0.025, 0.5, 0.975)).tolist()
-        at = np.array([factors for factors, *_ in solved])
-        told = {
-            name: (float(weight[at[:, k] > INPUT[0]].sum()),
-                   np.vstack(slopes[name]) * np.tile(size, x.shape[1]))
-            for k, (name, x) in enumerate(columns.items(), 1)
-        }  # fmt: skip
-        least = (at[:, 1:-1] == INPUT[0]).all(axis=1) & (at[:, -1] == RUNS[0])
-        return cls(
-            probability=float(1.0 - weight[least].sum()), spread=(median, low, high),
-            lines=tuple(_lines(trials, told, middle)), texts=tuple(_texts(trials, told, middle)),
-        )  # fmt: skip
+    Beside it are probability and words of what differs between texts of a condition.
+    """
+    y = np.concatenate([trial.values for trial in trials])
+    count, width = len(trials), len(trials[0].values)
+    weights = np.array([1.0 / np.diag(trial.covariance) for trial in trials])
+    middle = np.sum(weights * y.reshape(count, width), axis=0) / weights.sum(axis=0)
+    size = np.maximum(np.abs(middle), np.min(np.sqrt(1.0 / weights), axis=0))
+    columns, noise = _columns(trials), block_diag(*(trial.covariance for trial in trials))
+    shapes = np.full((count, 1), BROAD), *columns.values(), np.eye(count)
+    parts = [np.kron(x, np.diag(size)) for x in shapes]
+    left, logs, solved = y - np.tile(middle, count), list[float](), []
+    shares = [zip(RUNS, RUNS_PRIOR, strict=True)]
+    shares += [zip(INPUT, INPUTS_PRIOR, strict=True) for _ in columns]
+    for node in itertools.product(*map(list, shares)):
+        run, *sizes = (x for x, _ in node)
+        factors = (1.0, *sizes, run)
+        every = np.hstack([b * x for b, x in zip(factors, parts, strict=True)])
+        inner = every.T @ np.linalg.solve(noise, every) + np.eye(every.shape[1])
+        root = np.linalg.cholesky(inner)
+        z = np.linalg.solve(root, every.T @ np.linalg.solve(noise, left))
+        prior = sum(math.log(p) for _, p in node)
+        logs.append(prior - float(np.sum(np.log(np.diag(root)))) + 0.5 * float(z @ z))
+        solved.append((factors, every, root, z))
+    weight = np.exp(np.array(logs) - logsumexp(logs))
+    random, levels = np.random.default_rng(0), list[Array]()
+    slopes: dict[str, list[Array]] = {name: [] for name in columns}
+    ends = np.cumsum([x.shape[1] for x in parts])[:-1]
+    for (factors, every, root, z), n in zip(solved, allotted(weight, DRAWS), strict=True):
+        drawn = np.linalg.solve(root.T, z[:, None] + random.normal(size=(len(z), n)))
+        levels.append((every @ drawn).T)
+        each = zip(columns, factors[1:], np.split(drawn, ends)[1:], strict=False)
+        for name, b, block in each:
+            slopes[name].append((b * block).T)
+    draws = np.vstack(levels)
+    first = draws.reshape(len(draws), count, width)[:, :, 0]
+    apart = np.std(first, axis=1, ddof=1) / size[0]
+    low, median, high = np.quantile(apart, (0.025, 0.5, 0.975)).tolist()
+    at = np.array([factors for factors, *_ in solved])
+    told = {
+        name: (float(weight[at[:, k] > INPUT[0]].sum()),
+               np.vstack(slopes[name]) * np.tile(size, x.shape[1]))
+        for k, (name, x) in enumerate(columns.items(), 1)
+    }  # fmt: skip
+    least = (at[:, 1:-1] == INPUT[0]).all(axis=1) & (at[:, -1] == RUNS[0])
+    result = TrialComparison(
+        fit=joint, trials=tuple(trials), probability=float(1.0 - weight[least].sum()),
+        spread=(median, low, high), lines=tuple(_lines(trials, told, middle)), failed=failed,
+    )  # fmt: skip
+    return result, [*_texts(trials, told, middle)]
 
 
 def _columns(trials: Sequence[TrialEstimates]) -> dict[str, Array]:
@@ -473,17 +465,16 @@ def _texts(
 # What is said.
 
 
-def _sentences(
-    trials: Sequence[TrialEstimates], found: _Differences, failed: Mapping[str, str]
-) -> Iterator[str]:
+def _sentences(found: TrialComparison, texts: Sequence[tuple[float, str]]) -> Iterator[str]:
     """Yield what a comparison says; whether the trials share the law first."""
+    trials = found.trials
     clear = sorted((item for item in found.lines if item.clear), key=_width)[:MOST]
     median, low, high = (percent(x) for x in found.spread)
     symbol = trials[0].estimates[0].quantity.symbol
     spread = f"between them {symbol} differs by {median} ({low} to {high}, standard deviation)"
     if is_asserted(found.probability):
         said = [_change(line) for line in clear]
-        said = said or [text for p, text in found.texts if is_asserted(p)][:MOST]
+        said = said or [text for p, text in texts if is_asserted(p)][:MOST]
         yield (
             f"The trials do not share one law (probability {percent(found.probability)}):"
             f" {joined(said or [*_range(trials)])}{'' if said else _cause(found.lines)}."
@@ -502,7 +493,7 @@ def _sentences(
     else:
         yield f"The trials are consistent with one law: {spread}."
     yield from _troubles(trials)
-    for name, reason in failed.items():
+    for name, reason in found.failed.items():
         yield f"{name} could not be compared: {reason.rstrip('.')}."
 
 

@@ -274,7 +274,46 @@ class VelocityStepKind(SimulatedKind):
 
     # further numbers and figures
     def advised(self, fits: Sequence[AnyFit]) -> Sequence[OtherSetting]:
-        return further_steps(fits)
+        """Return what further steps would tell of laws, the most telling first.
+
+        From the first speed the load point steps to another one and back, over the way between
+        steps each time, with as many samples each time as between steps of the record. The level of
+        friction, and its change along the way, are those of each record.
+        """
+        problem: VelocitySteps = fits[0].problem
+        path, stiffness = problem.record.path, _pulled(fits[0].mechanism).stiffness
+        begun, again = stepped_speeds(path)
+        moving = path.lasting[path.lasting > STRAIGHT * path.lasting.max()]
+        speeds = {again, STEPS * float(moving.max()), float(moving.min()) / STEPS} - {begun}
+        settings = [("speed", speed, speed, 1.0) for speed in sorted(speeds)]
+        if again != begun:
+            settings += [("stiffness", x * stiffness, again, x) for x in STIFFER]
+        rng = np.random.default_rng(13)
+        result = []
+        for name, value, speed, stiffer in settings:
+            knots = np.cumsum([0.0, *(problem.way / np.array([begun, speed, begun]))])
+            seen, last = list[Array](), dict[str, dict[str, float]]()
+            steps = Path(time=knots, position=problem.way * np.arange(4.0))
+            slid = np.geomspace(ROWS**-2.0, 1.0, ROWS)
+            times = np.concatenate([knots[k] + slid * (knots[k + 1] - knots[k]) for k in (1, 2)])
+            trend = np.column_stack(
+                [np.ones(len(times)), np.interp(times, steps.time, steps.position)]
+            )
+            counts = np.tile(np.gradient(slid), 2) * len(problem.record.time) / len(path.lasting)
+            noise = fits[0].rms / np.sqrt(fits[0].posterior.kappa * counts)
+            beside = np.linalg.svd(trend / noise[:, None])[0][:, 2:]
+            for fit in fits:
+                chosen = np.linspace(0, len(fit.family.points) - 1, int(ENOUGH)).astype(np.intp)
+                runs = problem.stepped(fit.name, fit.family.points[chosen], steps, times, stiffer)
+                works = np.isfinite(runs).all(axis=0)
+                if np.mean(works) > 0.8:
+                    read = runs[:, works] / noise[:, None]
+                    seen.append((read + rng.normal(size=read.shape)).T @ beside)
+                    last[fit.name] = {"coefficient": float(np.median(runs[ROWS - 1, works]))}
+                    points = fit.family.points[chosen][works]
+            if len(seen) == len(fits):  # where a slider runs away, there is no record
+                result.append(OtherSetting(name, value, last, width_after(points, seen)))
+        return tuple(sorted(result, key=lambda item: item.expected_width))
 
     def details(self, fit: AnyFit) -> Mapping[str, Any]:
         result = {estimate.path: estimate for estimate in fit.estimates}
@@ -331,47 +370,6 @@ def stepped_speeds(path: Path) -> tuple[float, float]:
     begun, *others = path.lasting[path.lasting > STRAIGHT * path.lasting.max()].tolist()
     others = [speed for speed in others if differ(begun, speed)]
     return begun, max(others, key=lambda speed: abs(math.log(speed / begun)), default=begun)
-
-
-def further_steps(fits: Sequence[AnyFit]) -> tuple[OtherSetting, ...]:
-    """Return what further steps would tell of laws, the most telling first.
-
-    From the first speed the load point steps to another one and back, over the way between steps
-    each time, with as many samples each time as between steps of the record. The level of friction,
-    and its change along the way, are those of each record.
-    """
-    problem: VelocitySteps = fits[0].problem
-    path, stiffness = problem.record.path, _pulled(fits[0].mechanism).stiffness
-    begun, again = stepped_speeds(path)
-    moving = path.lasting[path.lasting > STRAIGHT * path.lasting.max()]
-    speeds = {again, STEPS * float(moving.max()), float(moving.min()) / STEPS} - {begun}
-    settings = [("speed", speed, speed, 1.0) for speed in sorted(speeds)]
-    if again != begun:
-        settings += [("stiffness", x * stiffness, again, x) for x in STIFFER]
-    rng = np.random.default_rng(13)
-    result = []
-    for name, value, speed, stiffer in settings:
-        knots = np.cumsum([0.0, *(problem.way / np.array([begun, speed, begun]))])
-        seen, last = list[Array](), dict[str, dict[str, float]]()
-        steps = Path(time=knots, position=problem.way * np.arange(4.0))
-        slid = np.geomspace(ROWS**-2.0, 1.0, ROWS)
-        times = np.concatenate([knots[k] + slid * (knots[k + 1] - knots[k]) for k in (1, 2)])
-        trend = np.column_stack([np.ones(len(times)), np.interp(times, steps.time, steps.position)])
-        counts = np.tile(np.gradient(slid), 2) * len(problem.record.time) / len(path.lasting)
-        noise = fits[0].rms / np.sqrt(fits[0].posterior.kappa * counts)
-        beside = np.linalg.svd(trend / noise[:, None])[0][:, 2:]
-        for fit in fits:
-            chosen = np.linspace(0, len(fit.family.points) - 1, int(ENOUGH)).astype(np.intp)
-            runs = problem.stepped(fit.name, fit.family.points[chosen], steps, times, stiffer)
-            works = np.isfinite(runs).all(axis=0)
-            if np.mean(works) > 0.8:
-                read = runs[:, works] / noise[:, None]
-                seen.append((read + rng.normal(size=read.shape)).T @ beside)
-                last[fit.name] = {"coefficient": float(np.median(runs[ROWS - 1, works]))}
-                points = fit.family.points[chosen][works]
-        if len(seen) == len(fits):  # where a slider runs away, there is no record
-            result.append(OtherSetting(name, value, last, width_after(points, seen)))
-    return tuple(sorted(result, key=lambda item: item.expected_width))
 
 
 def form_of(law: object) -> RateStateForm:

@@ -58,8 +58,8 @@ from stickslip.identify.fits import (
 from stickslip.identify.fits.shooting.multiple_shooting import DELAY
 from stickslip.identify.forces import TRANSMITTED, with_gear
 from stickslip.identify.judgement import DRAWS, Candidates, Finding, Problem, stated
-from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
-from stickslip.identify.own_laws import Slips, certain_of, is_own, is_slope, signed_of
+from stickslip.identify.laws import POINTS, Composition, composed_over
+from stickslip.identify.own_laws import Slips, certain_of, is_slope, signed_of
 from stickslip.identify.posterior import (
     COEFFICIENT,
     Array,
@@ -89,6 +89,7 @@ from stickslip.identify.problems.free_runs import (
     newton,
     place_of,
     refined_shapes,
+    through_knots,
     worth,
 )
 from stickslip.identify.problems.record_checks import LIFTED, plain_columns
@@ -823,7 +824,6 @@ class DrivenModel(Model):
         """Values from which what is looked for of the mechanism counts (p,)."""
         of_rig = seen.slopes[:, :count] * np.where(self.logs, rig, 1.0)
         slopes = np.hstack([seen.slopes[:, count:] @ beside.table, of_rig])
-        self.free = slopes.shape[1]
         law = runs.runs.law
         assert isinstance(law, BesideLaw)
         knots = np.linalg.solve(beside.table, seen.values[count:]) + self.at_knots(law.law)
@@ -936,17 +936,9 @@ class DrivenModel(Model):
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
         sizes = np.array([*map(self.size, columns)])
-        m, p, knots = self.free, len(columns), len(self.beside.root)
-        turn = np.zeros((m + 1, m + p + 1))
-        turn[:knots, :knots] = self.root(node)
-        turn[range(knots, m), range(knots, m)] = 1.0
-        if columns:
-            turn[:knots, m : m + p] = np.column_stack([*map(self.share, columns)]) * sizes
-        turn[m, m + p] = 1.0
-        deviations = np.concatenate([np.ones(knots), self._deviations(node)])
-        return System(
-            gram=turn.T @ self.gram @ turn, deviations=deviations, volume=0.0, sizes=sizes
-        )
+        deviations = np.concatenate([np.ones(len(self.beside.root)), self._deviations(node)])
+        shares = [*map(self.share, columns)]
+        return through_knots(self.gram, self.root(node), shares, sizes, deviations)
 
 
 @dataclass(eq=False)
@@ -1092,16 +1084,8 @@ class DrivenProblem(Problem):
         *,
         offset: bool = False,
     ) -> Composition:
-        means, normal = self.plain.usual_inputs, np.full(len(coefficients), self.load)
-        if is_own(structure):
-            result = replace(own_composition(structure, coefficients), inputs=means)
-        else:
-            terms: dict[str, tuple[Any, Array]] = {
-                name: (shape, (c if name in FLOWS else c / normal)[:, None])
-                for (name, shape), c in zip(structure, coefficients.T, strict=True)
-            }
-            result = compose(terms, means, len(coefficients))
-        return replace(result, load=normal)
+        normal = np.full(len(coefficients), self.load)
+        return composed_over(structure, coefficients, normal, self.plain.usual_inputs)
 
     # ---- weights ----------------------------------------------------------------------------
 

@@ -14,14 +14,8 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.judgement import DRAWS, Candidates, Problem
-from stickslip.identify.laws import (
-    FLOWS,
-    POINTS,
-    Composition,
-    compose,
-    own_composition,
-)
-from stickslip.identify.own_laws import Slips, is_own, is_slope, slope_column
+from stickslip.identify.laws import POINTS, Composition, composed_over
+from stickslip.identify.own_laws import is_slope, slope_column
 from stickslip.identify.posterior import Array, Draws, Family, Structure, family_of
 from stickslip.identify.problems.free_balance import (
     SEEN,
@@ -56,16 +50,6 @@ FOLLOWED = 100
 """Draws by which another motion is run."""
 STARTS = (1.0, 0.5, 0.25)
 """Shares of a start from which a further motion may begin: slower ones tell slower speeds."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Followed:
-    """How closely a run of a law follows the readings."""
-
-    typical: float
-    """Root mean square of what it leaves, in the unit of the readings."""
-    error: float
-    """Standard deviation of a reading, by the closest run."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,9 +132,6 @@ class FreeMotionProblem(Problem):
         result.posterior = judged(model, self.grid, result.laws)
         return result
 
-    def slips(self, rows: SteadyRows) -> Slips:
-        return Slips(velocity=rows.velocity, load=rows.load, inputs={})
-
     @property
     def model(self) -> RunModel:
         """The readings, linear about a run that follows them."""
@@ -228,7 +209,7 @@ class FreeMotionProblem(Problem):
         """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
         name, shape = column
         if is_slope(name):
-            return [slope_column(column, self.slips(rows))]
+            return [slope_column(column, rows)]
         part, side = PARTS[name], np.sign(rows.velocity)
         state = side * rows.ratio if part.dry else side
         return [np.asarray(state * part.curve(np.abs(rows.velocity), shape))]
@@ -250,24 +231,17 @@ class FreeMotionProblem(Problem):
         offset: bool = False,
     ) -> Composition:
         """Return the law that a structure with coefficients (k, p) is, at the usual load."""
-        normal = self._normals(draws)
-        if is_own(structure):
-            return replace(own_composition(structure, coefficients), load=normal[:, 0])
-        terms: dict[str, tuple[Any, Array]] = {
-            name: (shape, own[:, None] if name in FLOWS else own[:, None] / normal)
-            for (name, shape), own in zip(structure, coefficients.T, strict=True)
-        }
-        return replace(compose(terms, {}, len(coefficients)), load=normal[:, 0])
+        return composed_over(structure, coefficients, self._normals(draws), {})
 
     def _normals(self, draws: Sequence[Draws] | None) -> Array:
-        """Return the normal forces (k, 1) of draws, or that in the middle of all."""
+        """Return the normal forces (k,) of draws, or that in the middle of all."""
         own = self.posterior.draws(DRAWS, seed=13) if draws is None else draws
         normal = np.full(sum(item.random.shape[1] for item in own), self.normal)
         rig = self.rig(own)
         for path, (slope, given) in (self.load_slopes or {}).items():
             normal = normal + slope * (rig.get(path, given) - given)
         normal = np.maximum(normal, 1e-9 * self.normal)
-        return np.reshape(np.median(normal) if draws is None else normal, (-1, 1))
+        return np.full(1, np.median(normal)) if draws is None else normal
 
     # ---- weights ----------------------------------------------------------------------------
 
@@ -324,8 +298,8 @@ class FreeMotionProblem(Problem):
         result = motion.values(self.model.beside(draws)[self.model.runs.ratio].T)
         return dict(zip(motion.paths, result.T, strict=True))
 
-    def followed(self, rung: Rung) -> Followed:
-        """Return how closely a run of the law of a rung follows the readings.
+    def followed(self, rung: Rung) -> float:
+        """Return what a run of the law of a rung leaves of the readings, root mean square.
 
         How the motion starts and what no balance sees of the mechanism are free in it.
         """
@@ -334,7 +308,7 @@ class FreeMotionProblem(Problem):
         x[KNOTS:] = model.linear.x[KNOTS:]
         left = runs.beside(x)
         residual = np.full(1, np.inf) if left is None else left.residual
-        return Followed(typical=math.sqrt(float(np.mean(residual**2))), error=model.sigma)
+        return math.sqrt(float(np.mean(residual**2)))
 
     @cached_property
     def _between(self) -> tuple[Array, Array]:

@@ -615,21 +615,9 @@ class RunModel(Model):
         return self.motion.root(SIZES[node[0]], SLOW_SIZES[node[1]])
 
     def system(self, node: Node, columns: Sequence[Column]) -> System:
-        sizes = np.array([self.size(column) for column in columns])
-        m, p = len(self.runs.mean), len(columns)
-        turn = np.zeros((m + 1, m + p + 1))
-        turn[:KNOTS, :KNOTS] = self.root(node)
-        turn[range(KNOTS, m), range(KNOTS, m)] = 1.0
-        if columns:
-            shares = np.column_stack([self.motion.share(column) for column in columns])
-            turn[:KNOTS, m : m + p] = shares * sizes
-        turn[m, m + p] = 1.0
-        return System(
-            gram=turn.T @ self.gram @ turn,
-            deviations=self.runs.deviations,
-            volume=0.0,
-            sizes=sizes,
-        )
+        sizes = np.array([*map(self.size, columns)])
+        shares = [*map(self.motion.share, columns)]
+        return through_knots(self.gram, self.root(node), shares, sizes, self.runs.deviations)
 
     def unknowns(self, node: Node, structure: Structure, law: Array, random: Array) -> Array:
         """Return the unknowns of runs (m,) with a law (d,) and random coefficients (m,)."""
@@ -712,6 +700,25 @@ class RunModel(Model):
         if not result:
             raise InputError("no run of a law follows the second record: check what it is of.")
         return np.array(result)
+
+
+def through_knots(
+    gram: Array, root: Array, shares: Sequence[Array], sizes: Array, deviations: Array
+) -> System:
+    """Return rows whose first unknowns are a curve at knots, in terms of laws that go through them.
+
+    Of the Gram matrix (m + 1, m + 1) the last column is the response. What no law says has a root
+    (k, k) of its covariance; `shares` (k,) are terms of laws at the knots, of which `sizes` (p,)
+    are the coefficients of the usual size.
+    """
+    k, m, p = len(root), len(gram) - 1, len(shares)
+    turn = np.zeros((m + 1, m + p + 1))
+    turn[:k, :k] = root
+    turn[range(k, m), range(k, m)] = 1.0
+    if shares:
+        turn[:k, m : m + p] = np.column_stack(shares) * sizes
+    turn[m, m + p] = 1.0
+    return System(gram=turn.T @ gram @ turn, deviations=deviations, volume=0.0, sizes=sizes)
 
 
 def begun(motion: FreeMotion, law: Candidate, *, alone: bool = False) -> tuple[Runs, Array]:

@@ -489,27 +489,18 @@ class _Piece:
         times = np.asarray(piece.time, dtype=float)
         step = float(np.median(np.diff(times)))
         even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
-        places = [positions_of(joint) for joint in joints]
-        moving = [name not in resting for name in mechanism.coordinates]
-        noise = [noise_of(x) if moves else 0.0 for x, moves in zip(places, moving, strict=True)]
+        places, noise = [positions_of(joint) for joint in joints], list[float]()
+        for k, name in enumerate(mechanism.coordinates):
+            noise.append(0.0 if name in resting else noise_of(places[k]))
+            if name in resting:
+                places[k] = np.full_like(places[k], np.median(places[k]))
+        forces = [np.asarray(joint.values("force"), float) for joint in joints]
         return cls(
-            mechanism=vary(mechanism, "mechanism", record.overrides)
-            if record.overrides
-            else mechanism,
+            mechanism=vary(mechanism, "mechanism", record.overrides),
             record=piece,
             time=even,
-            position=np.column_stack(
-                [
-                    np.interp(even, times, x if moves else np.full_like(x, np.median(x)))
-                    for x, moves in zip(places, moving, strict=True)
-                ]
-            ),
-            force=np.column_stack(
-                [
-                    np.interp(even, times, np.asarray(joint.values("force"), float))
-                    for joint in joints
-                ]
-            ),
+            position=np.column_stack([np.interp(even, times, x) for x in places]),
+            force=np.column_stack([np.interp(even, times, x) for x in forces]),
             noise=noise,
             number=number,
         )

@@ -23,7 +23,6 @@ from stickslip.identify.problems.record_model import (
     stretches,
 )
 from stickslip.identify.problems.record_rows import MIDDLE, BalanceRows
-from stickslip.identify.problems.record_signals import Record
 
 FARTHEST = 3.0
 """E-folds of speed beyond those resolved that count."""
@@ -56,17 +55,11 @@ EITHER = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SteadyRows:
-    """Steady sliding."""
+class SteadyRows(Slips):
+    """Steady sliding, whose inputs count from their means, over their standard deviations."""
 
-    velocity: Array
-    """Velocities (n,) [m/s]."""
-    load: Array
-    """Loads (n,) [N]."""
     ratio: Array
     """Loads over the usual one (n,)."""
-    inputs: Mapping[str, Array]
-    """Inputs (n,) from their means, over their standard deviations."""
     transmitted: Array | float = 0.0
     """What the gear transmits over the ratio of loads (n,) [N]."""
 
@@ -76,13 +69,7 @@ class OtherRows:
     """Rows of other records."""
 
     balance: Balance
-
-    @classmethod
-    def of(
-        cls, model: RecordModel, records: Sequence[Record], *, rests: bool = False
-    ) -> "OtherRows":
-        """Return the rows of other records, in motion or at rest, filtered as those fitted."""
-        return cls(balance=Balance(records, like=model.balance, rests=rests))
+    """They in motion or at rest, filtered as those fitted."""
 
     @property
     def rows(self) -> BalanceRows:

@@ -347,7 +347,8 @@ class RecordModel(Model):
         """Families of laws that are compared beside none."""
         self.names: tuple[str, ...] = ()
         """Scales of sizes that act in these records."""
-        self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
+        laws = dict(laws_of(self.grid, [*dict.fromkeys([(), *known])]))
+        self.structures, self.priors = tuple(laws), np.array([*laws.values()])
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self.memories: list[Memory] = []
         self.actings: list[Acting] = [self.balance.acting]
@@ -397,11 +398,6 @@ class RecordModel(Model):
     def grid(self) -> Grid:
         """Shapes of the parts of laws."""
         return Grid(slowest=self.frame.shaped, fastest=self.frame.top, fine=FINE)
-
-    def _structures(self, families: Collection[Family]) -> tuple[tuple[Structure, ...], Array]:
-        """Return the laws with their shapes, and the logarithms of their priors."""
-        result, priors = zip(*laws_of(self.grid, families), strict=True)
-        return tuple(result), np.array(priors)
 
     @property
     def scales(self) -> Sequence[Scale]:  # type: ignore[override]
@@ -746,23 +742,20 @@ class RecordModel(Model):
                 parts.append(np.hstack(own))
             return np.hstack([fixed, rows.seen(parts)])
 
-        def look(memory: Memory, *, damped: bool = False) -> None:
-            x = np.hstack([columns(memory), balance.delayed(MIDDLE, memory)[:, None]])
-            if damped and memory.lags and memory.length:
-                both = zip(balance.pieces, balance.states(memory), strict=True)
-                damping = [np.gradient(z * balance.load(p), p.step) for p, z in both]
-                x = np.insert(x, -1, rows.seen(damping), axis=1)
-            c, e = solved_softly(x, rows.response)
-            law = np.arange(x.shape[1]) >= fixed.shape[1]
-            law[len(frame.sides) - 1 : len(frame.sides) + 1] = True  # viscous friction and drag
-            law[-1] = False  # the delay
-            inertia = abs(c[fixed.shape[1] - 1])
-            size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
-            looked.append((capped(e), memory, e, size, float(inertia)))
-
         def rank(memories: Sequence[Memory], *, damped: bool = False) -> None:
             for memory in memories:
-                look(memory, damped=damped)
+                x = np.hstack([columns(memory), balance.delayed(MIDDLE, memory)[:, None]])
+                if damped and memory.lags and memory.length:
+                    both = zip(balance.pieces, balance.states(memory), strict=True)
+                    damping = [np.gradient(z * balance.load(p), p.step) for p, z in both]
+                    x = np.insert(x, -1, rows.seen(damping), axis=1)
+                c, e = solved_softly(x, rows.response)
+                law = np.arange(x.shape[1]) >= fixed.shape[1]
+                law[len(frame.sides) - 1 : len(frame.sides) + 1] = True  # viscous and drag
+                law[-1] = False  # the delay
+                inertia = abs(c[fixed.shape[1] - 1])
+                size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
+                looked.append((capped(e), memory, e, size, float(inertia)))
             looked.sort(key=lambda item: item[0])
 
         beside = np.hstack([columns(RIGID), balance.delayed(MIDDLE, RIGID)[:, None]])

@@ -43,6 +43,7 @@ from stickslip.identify.problems.record_columns import (
     LEVELS,
     LUGRE,
     RESOLVED,
+    Balance,
     Memory,
     law_column,
 )
@@ -247,7 +248,7 @@ class RecordProblem(Problem):
 
     def like(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records, which are another run."""
-        return OtherRows.of(self.model, records)
+        return OtherRows(balance=Balance(records, like=self.model.balance))
 
     def usual(self, rows: OtherRows) -> Array:
         own = self.model.balance
@@ -256,7 +257,7 @@ class RecordProblem(Problem):
 
     def at_rest(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records at rest, where friction is up to its level."""
-        return OtherRows.of(self.model, records, rests=True)
+        return OtherRows(balance=Balance(records, like=self.model.balance, rests=True))
 
     def curve_rows(self) -> SteadyRows:
         """Return rows through which a curve is drawn as a law."""

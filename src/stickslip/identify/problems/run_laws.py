@@ -273,15 +273,12 @@ class LawRuns(Simulated):
     def told(
         self, family: FamilyPosterior, name: str, estimates: Sequence[Estimate]
     ) -> list[Estimate]:
-        results = []
-        for estimate in estimates:
-            untold = estimate.path not in self.doubts and self._is_prior(
-                family, name, estimate.path
-            )
-            reason = self.alike if untold else ""
-            ends = (-math.inf, math.inf) if untold else (estimate.low, estimate.high)
-            results.append(replace(estimate, low=ends[0], high=ends[1], reason=reason))
-        return results
+        return [
+            replace(item, low=-math.inf, high=math.inf, reason=self.alike)
+            if item.path not in self.doubts and self._is_prior(family, name, item.path)
+            else item
+            for item in estimates
+        ]
 
     def _is_prior(self, family: FamilyPosterior, name: str, path: str) -> bool:
         """Whether draws are as wide as the prior; of a level above another, as that of levels."""

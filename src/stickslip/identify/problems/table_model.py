@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from stickslip.identify.fits import last_digit
-from stickslip.identify.own_laws import is_slope, slope_column
+from stickslip.identify.own_laws import Slips, is_slope, slope_column
 from stickslip.identify.posterior import (
     COEFFICIENT,
     Array,
@@ -162,15 +162,9 @@ SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run", "run par
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Rows:
-    """Readings of friction, or places where it is asked."""
+class Rows(Slips):
+    """Readings of friction, or places where it is asked; no velocity is 0."""
 
-    velocity: Array
-    """Velocities (n,) [m/s]; none is 0."""
-    load: Array
-    """Loads (n,) [N]."""
-    inputs: Mapping[str, Array]
-    """Temperatures and other inputs of the contact (n,)."""
     run: Integers
     """Number of the run (n,); -1: any."""
     order: Array

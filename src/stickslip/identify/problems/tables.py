@@ -278,9 +278,6 @@ class TableProblem(Problem):
         fit = replace(self.fit, model=model, posterior=posterior)
         return replace(self, fit=fit, families=(*families, *map(family_of, own)))
 
-    def slips(self, rows: Rows) -> Rows:
-        return rows
-
     # ---- rows -------------------------------------------------------------------------------
 
     def at(self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None) -> Rows:

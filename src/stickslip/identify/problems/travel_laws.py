@@ -394,11 +394,10 @@ class TravelLaw:
             left = (measured[few] - tried) / errors[few]
             return np.where(np.isfinite(left).all(axis=1), np.sum(left**2, axis=1), FAILED**2)
 
+        valley = Valley(residuals=residuals, low=low, high=high, sizes=scale)
         starts = np.clip(self._starts(size, shapes, spread, cost, simpler), low, high)
         steps = STEPS // 2 if self.slow else 2 * STEPS if self.rig.any() else STEPS
-        points, costs = descended(
-            residuals, starts, low=low, high=high, sizes=scale, moving=moving, steps=steps
-        )
+        points, costs = valley.descended(starts, moving, steps)
         kept = list[int]()
         for i in np.argsort(np.round(costs, 6), kind="stable").tolist():
             alike = [np.allclose(points[k, self.count :], points[i, self.count :]) for k in kept]
@@ -410,9 +409,7 @@ class TravelLaw:
                 kept.append(i)
         points = points[kept]
         every = np.ones(len(low), dtype=bool)
-        self.structures = self._structures(
-            points, self.count, moving, (residuals, low, high, scale, size)
-        )
+        self.structures = self._structures(points, self.count, moving, valley, size)
         settings = len({trial.setting for trial in self.trials})
         paid = len(low) < settings or (self.thorough and settings > 1)
         if self.count < len(low) and paid and not self._fixed(shapes):
@@ -422,13 +419,9 @@ class TravelLaw:
             low[self.count :] = np.maximum(low[self.count :], 0.1 * shapes.min(axis=0))
             high[self.count :] = np.minimum(high[self.count :], 10.0 * shapes.max(axis=0))
             best_few = points[: 1 if self.slow else REFINED]
-            ends, left = descended(
-                residuals, best_few, low=low, high=high, sizes=scale, moving=every, steps=2 * steps
-            )
+            ends, left = valley.descended(best_few, every, 2 * steps)
             best = ends[np.argmin(left)][None]
-            self.structures += self._structures(
-                best, len(low), every, (residuals, low, high, scale, size)
-            )
+            self.structures += self._structures(best, len(low), every, valley, size)
 
     def _fixed(self, shapes: Array) -> bool:
         """Return whether the shape was given."""
@@ -439,15 +432,12 @@ class TravelLaw:
         points: Array,
         count: int,
         moving: NDArray[np.bool_],
-        problem: tuple[Callable[[Array], Array], Array, Array, Array, Size],
+        valley: "Valley",
+        size: Size,
     ) -> list[TravelStructure]:
         """Return points as structures of so many coefficients, with their slopes."""
-        residuals, low, high, scale, size = problem
-        left = residuals(points)
-        table = slopes_of(
-            residuals, points, left, low=low, high=high, sizes=scale,
-            moving=np.broadcast_to(moving, points.shape),
-        )  # fmt: skip
+        left = valley.residuals(points)
+        table = valley.slopes(points, left, moving)
         measured, errors = self.measured, self.errors
         n, spreads = len(measured), self.spreads(size, points)
         typical = np.tile(self.typical, (len(points), 1))
@@ -553,80 +543,67 @@ class TravelLaw:
         return np.array(starts)
 
 
-def descended(
-    residuals: Callable[[Array], Array],
-    starts: Array,
-    *,
-    low: Array,
-    high: Array,
-    sizes: Array,
-    moving: NDArray[np.bool_],
-    steps: int,
-) -> tuple[Array, Array]:
-    """Return where damped Gauss-Newton descents from k starts end, and their costs.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Valley:
+    """Residuals of least squares, in which descents go down."""
 
-    `moving` tells which unknowns move, of all starts (p,) or of each (k, p).
+    residuals: Callable[[Array], Array]
+    """Residuals (k, n) at points (k, p)."""
+    low: Array
+    """Ends of the unknowns (p,) ..."""
+    high: Array
+    sizes: Array
+    """... and their least sizes."""
 
-    Examples
-    --------
-    >>> ends, costs = descended(
-    ...     lambda x: x**2 - 2.0,
-    ...     np.array([[1.0], [-1.0]]),
-    ...     low=np.array([-9.0]),
-    ...     high=np.array([9.0]),
-    ...     sizes=np.array([0.1]),
-    ...     moving=np.array([True]),
-    ...     steps=20,
-    ... )
-    >>> ends.round(4).tolist()
-    [[1.4142], [-1.4142]]
-    """
-    at = np.array(starts, dtype=float)
-    result = Descents(at, np.maximum(np.abs(at), sizes), SETTLED, low, high, reach=1.0)
-    moving = np.broadcast_to(moving, at.shape)
-    for number in range(steps + 1):
-        (which,) = np.nonzero(result.live)
-        points = result.proposed()[which] if number else at
-        left = residuals(points)
-        kept = result.accept(points, -0.5 * np.sum(left**2, axis=1), first=not number)
-        if number == steps or not result.live.any():
-            break
-        kept = kept[result.live[which[kept]]]
-        if not len(kept):
-            continue
-        slopes = slopes_of(
-            residuals, points[kept], left[kept], low=low, high=high, sizes=sizes,
-            moving=moving[which[kept]],
-        )  # fmt: skip
-        scale = np.maximum(np.abs(points[kept]), sizes)
-        slopes = np.where(np.isfinite(slopes), slopes, 0.0) * scale[:, None, :]
-        result.scale[which[kept]] = scale
-        result.gradient[which[kept]] = -np.einsum("kni,kn->ki", slopes, left[kept])
-        result.curvature[which[kept]] = np.einsum("kni,knj->kij", slopes, slopes)
-    return result.at, -2.0 * result.value
+    def descended(
+        self, starts: Array, moving: NDArray[np.bool_], steps: int
+    ) -> tuple[Array, Array]:
+        """Return where damped Gauss-Newton descents from k starts end, and their costs.
 
+        `moving` tells which unknowns move (p,).
 
-def slopes_of(
-    residuals: Callable[[Array], Array],
-    points: Array,
-    left: Array,
-    *,
-    low: Array,
-    high: Array,
-    sizes: Array,
-    moving: NDArray[np.bool_],
-) -> Array:
-    """Return derivatives of residuals (k, n, p) at points (k, p), by one-sided differences."""
-    result = np.zeros((*left.shape, points.shape[1]))
-    steps = STEP * np.maximum(np.abs(points), sizes)
-    steps = np.where(points + steps <= high, steps, np.where(points - steps >= low, -steps, 0.0))
-    columns, rows = np.nonzero(np.broadcast_to(moving, points.shape).T)
-    shifted = points[rows]
-    step = steps[rows, columns]
-    shifted[np.arange(len(rows)), columns] += step
-    there = residuals(shifted) - left[rows]
-    result[rows, :, columns] = there / np.where(step == 0.0, math.inf, step)[:, None]
-    return result
+        Examples
+        --------
+        >>> low, high, sizes = np.array([[-9.0], [9.0], [0.1]])
+        >>> valley = Valley(residuals=lambda x: x**2 - 2.0, low=low, high=high, sizes=sizes)
+        >>> ends, costs = valley.descended(np.array([[1.0], [-1.0]]), np.array([True]), 20)
+        >>> ends.round(4).tolist()
+        [[1.4142], [-1.4142]]
+        """
+        at = np.array(starts, dtype=float)
+        sizes = np.maximum(np.abs(at), self.sizes)
+        result = Descents(at, sizes, SETTLED, self.low, self.high, reach=1.0)
+        for number in range(steps + 1):
+            (which,) = np.nonzero(result.live)
+            points = result.proposed()[which] if number else at
+            left = self.residuals(points)
+            kept = result.accept(points, -0.5 * np.sum(left**2, axis=1), first=not number)
+            if number == steps or not result.live.any():
+                break
+            kept = kept[result.live[which[kept]]]
+            if not len(kept):
+                continue
+            slopes = self.slopes(points[kept], left[kept], moving)
+            scale = np.maximum(np.abs(points[kept]), self.sizes)
+            slopes = np.where(np.isfinite(slopes), slopes, 0.0) * scale[:, None, :]
+            result.scale[which[kept]] = scale
+            result.gradient[which[kept]] = -np.einsum("kni,kn->ki", slopes, left[kept])
+            result.curvature[which[kept]] = np.einsum("kni,knj->kij", slopes, slopes)
+        return result.at, -2.0 * result.value
+
+    def slopes(self, points: Array, left: Array, moving: NDArray[np.bool_]) -> Array:
+        """Return derivatives of residuals (k, n, p) at points (k, p), by one-sided differences."""
+        result = np.zeros((*left.shape, points.shape[1]))
+        steps = STEP * np.maximum(np.abs(points), self.sizes)
+        back = np.where(points - steps >= self.low, -steps, 0.0)
+        steps = np.where(points + steps <= self.high, steps, back)
+        columns, rows = np.nonzero(np.broadcast_to(moving, points.shape).T)
+        shifted = points[rows]
+        step = steps[rows, columns]
+        shifted[np.arange(len(rows)), columns] += step
+        there = self.residuals(shifted) - left[rows]
+        result[rows, :, columns] = there / np.where(step == 0.0, math.inf, step)[:, None]
+        return result
 
 
 def spread_out(trials: Sequence[Trial], most: int) -> list[Trial]:

@@ -145,90 +145,74 @@ class LocalState:
         return columns - self.basis @ (self.basis.T @ columns)
 
 
-def settled(
-    guess: Array,
-    rest: Array,
-    shoot: Callable[[Array], LocalState | None],
-    *,
-    at_rest: bool,
-    rounds: int = ROUNDS,
-) -> LocalState | None:
-    """Return a segment from the initial state that fits it best; None if no run succeeds.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Start:
+    """How the initial state of a segment is looked for."""
 
-    `rest` is the guess with rates of 0, but those that are known.
-    """
-    first = shoot(guess)
-    best = _descended(first, shoot, rounds) if first is not None and first.able else None
-    return _or_at_rest(best, rest, shoot, rounds) if at_rest or best is None else best
+    shoot: Callable[[Array], LocalState | None]
+    """Returns the segment simulated from a state; None if the run fails."""
+    rest: Array
+    """The first guess with rates of 0, but those that are known."""
+    at_rest: bool
+    """Whether the segment may begin at rest."""
+    rounds: int = ROUNDS
 
+    def settled(self, guess: Array) -> LocalState | None:
+        """Return a segment from the initial state that fits it best; None if no run succeeds."""
+        first = self.shoot(guess)
+        able = first is not None and first.able
+        return self._or_at_rest(self._descended(first) if first and able else None)
 
-def followed(
-    before: LocalState,
-    change: Array,
-    rest: Array,
-    shoot: Callable[[Array], LocalState | None],
-    *,
-    at_rest: bool,
-    rounds: int = ROUNDS,
-) -> LocalState | None:
-    """Return a segment where the unknowns have changed by (p,): from a state carried on.
+    def followed(self, before: LocalState, change: Array) -> LocalState | None:
+        """Return a segment where the unknowns have changed by (p,): from a state carried on.
 
-    Where that fits worse than the old state was promised to, or cannot be stepped from, the old
-    state is tried as well.
-    """
-    moved, expected = shoot(before.near(change)), before.expected(change)
-    tried = [] if moved is None else [(moved, True)]
-    if moved is None or moved.misfit > float(expected @ expected) or not moved.able:
-        stayed = shoot(before.state)
-        tried += [] if stayed is None else [(stayed, False)]
-    best = None
-    for item, well in sorted(tried, key=lambda pair: pair[0].misfit):
-        if item.able:
-            best = _descended(
-                replace(item, damping=before.damping).stepped(well=well), shoot, rounds
-            )
-            break
-    return _or_at_rest(best, rest, shoot, rounds) if at_rest or best is None else best
-
-
-def _or_at_rest(
-    best: LocalState | None,
-    rest: Array,
-    shoot: Callable[[Array], LocalState | None],
-    rounds: int,
-) -> LocalState | None:
-    """Return a segment from rest, unless an initial velocity fits it clearly better.
-
-    Rest is not found downhill: a body that moves at first slides to where it is just stuck, and all
-    that its velocity does is to shift that place.
-    """
-    half = len(rest) // 2
-    if best is not None and np.array_equal(best.state[half:], rest[half:]):
-        return best
-    first = shoot(rest)
-    if first is None or not first.able:
-        return best
-    rested = _descended(first, shoot, rounds)
-    clearly = best is not None and best.misfit < (1.0 - AGREE) * rested.misfit
-    return best if clearly else rested
-
-
-def _descended(
-    best: LocalState, shoot: Callable[[Array], LocalState | None], rounds: int
-) -> LocalState:
-    """Return a segment from the best state met on the way down.
-
-    What is projected out of slopes is what a state can do to first order: it is true only of one
-    from which there is next to nothing left to do.
-    """
-    for _ in range(rounds):
-        if best.settled:
-            break
-        there = shoot(best.near())
-        if there is None or there.misfit >= best.misfit or not there.able:
-            if best.damping >= 1.0 / DAMPING:
+        Where that fits worse than the old state was promised to, or cannot be stepped from, the old
+        state is tried as well.
+        """
+        moved, expected = self.shoot(before.near(change)), before.expected(change)
+        tried = [] if moved is None else [(moved, True)]
+        if moved is None or moved.misfit > float(expected @ expected) or not moved.able:
+            stayed = self.shoot(before.state)
+            tried += [] if stayed is None else [(stayed, False)]
+        best = None
+        for item, well in sorted(tried, key=lambda pair: pair[0].misfit):
+            if item.able:
+                begun = replace(item, damping=before.damping)
+                best = self._descended(begun.stepped(well=well))
                 break
-            best = best.stepped(well=False)
-        else:
-            best = replace(there, damping=best.damping).stepped(well=True)
-    return best
+        return self._or_at_rest(best)
+
+    def _or_at_rest(self, best: LocalState | None) -> LocalState | None:
+        """Return a segment from rest, if it may, unless a velocity fits it clearly better.
+
+        Rest is not found downhill: a body that moves at first slides to where it is just stuck, and
+        all that its velocity does is to shift that place.
+        """
+        rates = slice(len(self.rest) // 2, None)
+        same = best is not None and np.array_equal(best.state[rates], self.rest[rates])
+        if same or not (self.at_rest or best is None):
+            return best
+        first = self.shoot(self.rest)
+        if first is None or not first.able:
+            return best
+        rested = self._descended(first)
+        clearly = best is not None and best.misfit < (1.0 - AGREE) * rested.misfit
+        return best if clearly else rested
+
+    def _descended(self, best: LocalState) -> LocalState:
+        """Return a segment from the best state met on the way down.
+
+        What is projected out of slopes is what a state can do to first order: it is true only of
+        one from which there is next to nothing left to do.
+        """
+        for _ in range(self.rounds):
+            if best.settled:
+                break
+            there = self.shoot(best.near())
+            if there is None or there.misfit >= best.misfit or not there.able:
+                if best.damping >= 1.0 / DAMPING:
+                    break
+                best = best.stepped(well=False)
+            else:
+                best = replace(there, damping=best.damping).stepped(well=True)
+        return best

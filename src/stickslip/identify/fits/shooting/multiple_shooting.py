@@ -18,12 +18,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.levenberg_marquardt import STEEPEST, ResidualJacobian
 from stickslip.identify.fits.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SURE
-from stickslip.identify.fits.shooting.initial_states import (
-    LocalState,
-    Ways,
-    followed,
-    settled,
-)
+from stickslip.identify.fits.shooting.initial_states import LocalState, Start, Ways
 from stickslip.identify.fits.shooting.sampled_loops import (
     LoopInSegment,
     run_through,
@@ -121,12 +116,11 @@ class Shooting:
 
         def one(k: int, before: LocalState | None) -> LocalState | None:
             segment, mechanism = segments[k], mechanisms[id(segments[k].mechanism)]
-            shoot = partial(self._shot, segment, mechanism, law)
-            at_rest = _may_rest(segment, self.quantity)
-            own, most = segment.rest, self.steps
-            if before is None:
-                return settled(segment.guess, own, shoot, at_rest=at_rest, rounds=most)
-            return followed(before, change, own, shoot, at_rest=at_rest, rounds=most)
+            start = Start(
+                shoot=partial(self._shot, segment, mechanism, law), rest=segment.rest,
+                at_rest=_may_rest(segment, self.quantity), rounds=self.steps,
+            )  # fmt: skip
+            return start.followed(before, change) if before else start.settled(segment.guess)
 
         return self._joined(
             values, on_threads(lambda k: one(k, known.get(k)), range(len(self.segments)))
@@ -152,27 +146,29 @@ class Shooting:
         state: Array,
     ) -> LocalState | None:
         """Return a segment simulated from a state; None if the run fails."""
-        run = _bare(segment, mechanism, law, state)
+        able = np.all(np.isfinite(state))
+        run = _solved(segment, mechanism, law, _start(mechanism, state)) if able else None
         if run is None:
             return None
-        column = run.states.index(_state_of(mechanism, self.quantity))
-        sense = partial(_sensed, run, segment, mechanism, law, state, column)
-        left = segment.measured - run.at(segment.times)[:, column]
+        column = run.states.index(slip_names(mechanism)[self.quantity != "position"])
+        shot = _Shot(
+            run=run, segment=segment, mechanism=mechanism, law=law, state=state, column=column
+        )
         units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
         units[segment.known] = 0.0
 
         def ways() -> Ways | None:
-            local = sense([f"initial.{name}" for name in run.states[: len(state)]])
+            local = shot.sensed([f"initial.{name}" for name in run.states[: len(state)]])
             if not np.max(np.abs(local)) < STEEPEST:  # NaN included
                 return None
             return Ways(*np.linalg.svd(local * units, full_matrices=False))
 
         return LocalState(
             state=state,
-            residual=left,
+            residual=segment.measured - shot.compared(run, 0.0),
             size=float(np.ptp(segment.measured)),
-            sense=cache(partial(sense, self.free_parameters.paths)),
+            sense=cache(partial(shot.sensed, self.free_parameters.paths)),
             units=units,
             ways=cache(ways),
         )
@@ -202,13 +198,6 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     return bool(abs(result[0]) <= SURE * error)
 
 
-def _bare(segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array) -> BareRun | None:
-    """Return a segment simulated from a state; None if the run fails."""
-    if not np.all(np.isfinite(state)):
-        return None
-    return _solved(segment, mechanism, law, _start(mechanism, state))
-
-
 def _solved(
     segment: Segment, mechanism: Mechanism, law: FrictionLaw, start: Sequence[float]
 ) -> BareRun | None:
@@ -221,74 +210,73 @@ def _solved(
     return run if run.status.complete else None
 
 
-def _sensed(
-    run: BareRun,
-    segment: Segment,
-    mechanism: Mechanism,
-    law: FrictionLaw,
-    state: Array,
-    column: int,
-    paths: Sequence[str],
-) -> Array:
-    """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
-    if DELAY in paths:
-        others = [path for path in paths if path != DELAY]
-        table = _sensed(run, segment, mechanism, law, state, column, others)
-        step = MOVED * float(np.ptp(segment.times))
-        less, more = (run.at(segment.times + x)[:, column] for x in (-step, step))
-        return np.insert(table, [*paths].index(DELAY), (less - more) / (2.0 * step), axis=1)
-    if segment.loop is None:
-        table = run.differentiate(segment.times, paths)[:, column, :]
-    else:  # the kernels know nothing of what the loop does about a change
-        table = np.full((len(segment.times), len(paths)), np.nan)
-        mechanism = without_steps(mechanism)
-        run = _solved(segment, mechanism, law, _start(mechanism, state)) or run
-    for k in np.flatnonzero(~np.isfinite(table).all(axis=0)).tolist():
-        table[:, k] = _differenced(run, segment, mechanism, law, state, column, paths[k])
-    return np.asarray(table)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Shot:
+    """A run of a segment from a state, of which a column is compared."""
 
+    run: BareRun
+    segment: Segment
+    mechanism: Mechanism
+    law: FrictionLaw
+    state: Array
+    column: int
 
-def _differenced(
-    run: BareRun,
-    segment: Segment,
-    mechanism: Mechanism,
-    law: FrictionLaw,
-    state: Array,
-    column: int,
-    path: str,
-) -> Array:
-    """Return the slopes (n,) along one path by a difference of runs; NaN if none can be made."""
-    start = np.array(_start(mechanism, state))
-    root, _, name = path.partition(".")
-    if root == "initial":
-        own = run.states.index(name)
-        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or MOVED
-    else:
-        known = parameters(law if root == "friction" else mechanism, root)
-        value = next(value for other, _, value in known if other == path)
-        size = abs(value) or 1e-3
-    ends = []
-    sides = (1.0,) if segment.loop else (-1.0, 1.0)  # such runs take ten times as long
-    for change in (side * MOVED * size for side in sides):
-        try:
-            first, rig, own_law = start, mechanism, law
-            if root == "initial":
-                first = start + change * (np.arange(len(start)) == own)
-            elif root == "friction":
-                own_law = vary(law, root, {path: value + change})
-            else:
-                rig = vary(mechanism, root, {path: value + change})
-            moved = _solved(segment, rig, own_law, first.tolist())
-        except InputError:  # out of its range, or beyond a stop
-            continue
-        if moved is not None:
-            ends.append((change, moved.at(segment.times)[:, column]))
-    if len(ends) == 1:
-        ends.append((0.0, run.at(segment.times)[:, column]))
-    if not ends:
-        return np.full(len(segment.times), np.nan)
-    (less, low), (more, high) = ends
-    return (high - low) / (more - less)
+    def compared(self, run: BareRun, late: float) -> Array:
+        """Return what is compared (n,) of a run of the segment, at times that are later."""
+        return np.asarray(run.at(self.segment.times + late)[:, self.column])
+
+    def sensed(self, paths: Sequence[str]) -> Array:
+        """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
+        segment, shot = self.segment, self
+        if DELAY in paths:
+            table = self.sensed([path for path in paths if path != DELAY])
+            step = MOVED * float(np.ptp(segment.times))
+            less, more = (self.compared(self.run, x) for x in (-step, step))
+            return np.insert(table, [*paths].index(DELAY), (less - more) / (2.0 * step), axis=1)
+        if segment.loop is None:
+            table = self.run.differentiate(segment.times, paths)[:, self.column, :]
+        else:  # the kernels know nothing of what the loop does about a change
+            table = np.full((len(segment.times), len(paths)), np.nan)
+            smooth = without_steps(self.mechanism)
+            run = _solved(segment, smooth, self.law, _start(smooth, self.state))
+            shot = replace(self, mechanism=smooth, run=run or self.run)
+        for k in np.flatnonzero(~np.isfinite(table).all(axis=0)).tolist():
+            table[:, k] = shot.differenced(paths[k])
+        return np.asarray(table)
+
+    def differenced(self, path: str) -> Array:
+        """Return the slopes (n,) along one path by differences of runs; NaN if none can be made."""
+        segment, start = self.segment, np.array(_start(self.mechanism, self.state))
+        root, _, name = path.partition(".")
+        if root == "initial":
+            own = self.run.states.index(name)
+            size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or MOVED
+        else:
+            known = parameters(self.law if root == "friction" else self.mechanism, root)
+            value = next(value for other, _, value in known if other == path)
+            size = abs(value) or 1e-3
+        ends = []
+        sides = (1.0,) if segment.loop else (-1.0, 1.0)  # such runs take ten times as long
+        for change in (side * MOVED * size for side in sides):
+            try:
+                first, rig, own_law = start, self.mechanism, self.law
+                if root == "initial":
+                    first = start + change * (np.arange(len(start)) == own)
+                elif root == "friction":
+                    own_law = vary(own_law, root, {path: value + change})
+                else:
+                    rig = vary(rig, root, {path: value + change})
+                moved = _solved(segment, rig, own_law, first.tolist())
+            except InputError:  # out of its range, or beyond a stop
+                continue
+            if moved is not None:
+                ends.append((change, self.compared(moved, 0.0)))
+        if len(ends) == 1:
+            ends.append((0.0, self.compared(self.run, 0.0)))
+        if not ends:
+            return np.full(len(segment.times), np.nan)
+        (less, low), (more, high) = ends
+        return np.asarray((high - low) / (more - less))
 
 
 def _start(mechanism: Mechanism, state: Array) -> list[float]:
@@ -298,11 +286,6 @@ def _start(mechanism: Mechanism, state: Array) -> list[float]:
         nearer = min if stop.side == "upper" else max
         first[stop.coordinate] = nearer(first[stop.coordinate], float(stop.position))
     return [*first.values(), *state[len(first) :].tolist()]
-
-
-def _state_of(mechanism: Mechanism, quantity: str) -> str:
-    """Return the name of the state that a quantity is of the slipping body."""
-    return slip_names(mechanism)[quantity != "position"]
 
 
 def _failed(values: Array, segments: Sequence[Segment]) -> ResidualJacobian:
