@@ -374,8 +374,12 @@ class _Bench:
                      for step in (-MOVED, MOVED))  # fmt: skip
         return level, (high - low) / (2.0 * MOVED)
 
-    def _covariance(self, name: str) -> tuple[Array, Array]:
-        """Return the covariance (p + m, p + m) of parameters and travels of a law, and S (m,)."""
+    def _parts(self, name: str) -> tuple[Array, Array, Array]:
+        """Return the covariance (p + m, p + m) of parameters and travels of a law, and S (m,).
+
+        The covariance has two parts: the second is of what nobody stated of the rig, as `needed`
+        has it for `LEAST` runs of each setting.
+        """
         law, drawn = self.now.law_of(name), self.now.draws_of(name).unknowns
         values = law.values(drawn)
         rows = np.hstack([values, law.table(self.now.at(self.places), drawn)])
@@ -383,17 +387,25 @@ class _Bench:
         count, m = values.shape[1], len(self.places)
         doubts = {**self.needed(LEAST), **self.stated}
         alone, shared = self._moved(self.typical[name], doubts)
-        moved = [np.r_[np.zeros(count), x] for x in shared.values()]
+        sought, moved = (
+            [np.r_[np.zeros(count), x] for path, x in shared.items() if (path in self.stated) is own]
+            for own in (False, True)
+        )
         if not self.has_level:  # the first travel was taken, and not measured
             level, slope = self._slope(name)
             moved.append(np.r_[level, np.zeros(count - 1), slope])
-        columns = np.reshape(moved, (-1, count + m))
+        own, columns = (np.reshape(x, (-1, count + m)) for x in (sought, moved))
         errors = self.error**2 + sum((x**2 for x in alone.values()), np.zeros(m))
-        return np.asarray(np.cov(rows.T) + columns.T @ columns), np.asarray(errors)
+        return np.cov(rows.T) + columns.T @ columns, own.T @ own, np.asarray(errors)
 
     @cached_property
-    def _known(self) -> dict[str, tuple[Array, Array]]:
-        return {name: self._covariance(name) for name in self.typical}
+    def _known(self) -> dict[str, tuple[Array, Array, Array]]:
+        return {name: self._parts(name) for name in self.typical}
+
+    def _covariance(self, name: str, repeats: int) -> Array:
+        """Return the covariance of `_parts` with the rig as `needed` for so many runs."""
+        stated, sought, _ = self._known[name]
+        return np.asarray(stated + LEAST / repeats * sought)
 
     def _noise(self, scatter: Array) -> Array:
         """Return the covariance (m, m) of readings with variances (m,), which share an offset."""
@@ -401,7 +413,7 @@ class _Bench:
 
     def left(self, name: str, repeats: int) -> Array:
         """Return the covariance (p + m, p + m) that so many runs of each setting leave of a law."""
-        covariance, errors = self._known[name]
+        covariance, errors = self._covariance(name, repeats), self._known[name][2]
         read = covariance[-len(errors) :]
         own = read[:, -len(errors) :] + self._noise(errors / repeats)
         return np.asarray(covariance - read.T @ np.linalg.solve(own, read))
@@ -449,10 +461,11 @@ class _Bench:
 
     def gained(self, holds: str, rival: str, repeats: int) -> float:
         """Return the evidence of a law over a rival by readings without errors."""
-        (of, errors), (other, _) = self._known[holds], self._known[rival]
+        of, other = (self._covariance(name, repeats) for name in (holds, rival))
+        errors = self._known[holds][2]
         apart, scatter = self.travels[holds] - self.travels[rival], errors / repeats
         m, nu, weights = len(errors), THRESHOLDS.freedom, np.ones(len(errors))
-        for _ in range(STEPS):  # the rival meets them as well as it can, some settings rather
+        for _ in range(STEPS):  # readings that a rival misses weigh less, as Student's t
             seen = other[-m:, -m:] + self._noise(scatter / weights)
             off = np.linalg.solve(seen, apart)
             left = off * scatter / weights
