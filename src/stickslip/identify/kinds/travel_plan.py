@@ -377,20 +377,19 @@ class _Bench:
     def _parts(self, name: str) -> tuple[Array, Array, Array]:
         """Return the covariance (p + m, p + m) of parameters and travels of a law, and S (m,).
 
-        The covariance has two parts: the second is of what nobody stated of the rig, as `needed`
-        has it for `LEAST` runs of each setting.
+        The covariance has two parts: the second is of what nobody stated of the rig, as is `needed`
+        for a run of each setting.
         """
         law, drawn = self.now.law_of(name), self.now.draws_of(name).unknowns
         values = law.values(drawn)
         rows = np.hstack([values, law.table(self.now.at(self.places), drawn)])
         rows = within_band(rows[np.isfinite(rows).all(axis=1)])
         count, m = values.shape[1], len(self.places)
-        doubts = {**self.needed(LEAST), **self.stated}
+        doubts = {**self.needed(1), **self.stated}
         alone, shared = self._moved(self.typical[name], doubts)
-        sought, moved = (
-            [np.r_[np.zeros(count), x] for path, x in shared.items() if (path in self.stated) is own]
-            for own in (False, True)
-        )
+        sought, moved = list[Array](), list[Array]()
+        for path, x in shared.items():
+            (moved if path in self.stated else sought).append(np.r_[np.zeros(count), x])
         if not self.has_level:  # the first travel was taken, and not measured
             level, slope = self._slope(name)
             moved.append(np.r_[level, np.zeros(count - 1), slope])
@@ -402,10 +401,10 @@ class _Bench:
     def _known(self) -> dict[str, tuple[Array, Array, Array]]:
         return {name: self._parts(name) for name in self.typical}
 
-    def _covariance(self, name: str, repeats: int) -> Array:
-        """Return the covariance of `_parts` with the rig as `needed` for so many runs."""
-        stated, sought, _ = self._known[name]
-        return np.asarray(stated + LEAST / repeats * sought)
+    def _covariance(self, name: str, repeats: int) -> tuple[Array, Array]:
+        """Return that of `_parts` with the rig as is needed for so many runs, and S (m,)."""
+        stated, sought, errors = self._known[name]
+        return stated + sought / repeats, errors
 
     def _noise(self, scatter: Array) -> Array:
         """Return the covariance (m, m) of readings with variances (m,), which share an offset."""
@@ -413,7 +412,7 @@ class _Bench:
 
     def left(self, name: str, repeats: int) -> Array:
         """Return the covariance (p + m, p + m) that so many runs of each setting leave of a law."""
-        covariance, errors = self._covariance(name, repeats), self._known[name][2]
+        covariance, errors = self._covariance(name, repeats)
         read = covariance[-len(errors) :]
         own = read[:, -len(errors) :] + self._noise(errors / repeats)
         return np.asarray(covariance - read.T @ np.linalg.solve(own, read))
@@ -461,8 +460,7 @@ class _Bench:
 
     def gained(self, holds: str, rival: str, repeats: int) -> float:
         """Return the evidence of a law over a rival by readings without errors."""
-        of, other = (self._covariance(name, repeats) for name in (holds, rival))
-        errors = self._known[holds][2]
+        (of, errors), (other, _) = (self._covariance(name, repeats) for name in (holds, rival))
         apart, scatter = self.travels[holds] - self.travels[rival], errors / repeats
         m, nu, weights = len(errors), THRESHOLDS.freedom, np.ones(len(errors))
         for _ in range(STEPS):  # readings that a rival misses weigh less, as Student's t
@@ -502,11 +500,8 @@ class _Bench:
 
     def _part(self, path: str, doubt: float, repeats: int) -> float:
         """Return the part of a source: what differs from run to run averages out."""
-        return (
-            self._per_unit[path]
-            * doubt
-            / (math.sqrt(repeats) if path in (READINGS, self._knob) else 1.0)
-        )
+        averaged = math.sqrt(repeats) if path in (READINGS, self._knob) else 1.0
+        return self._per_unit[path] * doubt / averaged
 
     def needed(self, repeats: int) -> dict[str, float]:
         """Return by path how well the rig is to be known for its part in the level to be small.
@@ -520,11 +515,7 @@ class _Bench:
             if path != READINGS and known[path] and not path.endswith(".gravity")
         }
         half = HALF * self._part(READINGS, 1.0, repeats)
-        return {
-            p: half / part
-            for p, part in parts.items()
-            if part * abs(known[p]) > THRESHOLDS.rounding
-        }
+        return {p: half / x for p, x in parts.items() if x * abs(known[p]) > THRESHOLDS.rounding}
 
     def share(self, repeats: int, **changed: float) -> float:
         """Return the standard uncertainty of the level over itself, with other parts of the rig."""
