@@ -28,6 +28,7 @@ from stickslip.identify.problems.record_columns import Balance, Memory
 from stickslip.identify.problems.record_model import RecordModel
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
+    Acting,
     BalanceRows,
     by_best_sensor,
     cutoff_of,
@@ -462,7 +463,8 @@ def test_jumps_of_a_command_are_no_noise() -> None:
     record = Record(time=t, position=np.sin(3.0 * t), force=command)
     above = np.abs(command)[np.abs(command) > 8.5]
     expected = float(np.mean(above)) - 8.5
-    assert RecordModel([record]).balance.excess(8.5) == pytest.approx(expected, rel=1e-9)
+    excess = RecordModel([record]).balance.excess(Acting(limit=8.5))
+    assert excess == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:
