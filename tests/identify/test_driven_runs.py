@@ -3,6 +3,7 @@
 import copy
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from stickslip import (
     CoulombViscous,
     Measurement,
     RecordSettings,
+    SpringBlock,
     WarmViscous,
     fit,
     select,
@@ -317,3 +319,37 @@ def test_constants_that_runs_do_not_tell_apart_are_known_as_assumed(pushes):
         assert own.low <= true <= own.high
     widely = found.estimate(RESISTANCE)
     assert widely.high > 1.5 * widely.low
+
+
+def test_constants_that_may_be_wrong_have_a_logarithm(servo):
+    axis = Axis(
+        inertia=4e-3, stiffness=0.3, load=2.0, lower_stop=0.1, upper_stop=2.0, restitution=0.4,
+        drive=servo.rig.drive,
+    )  # fmt: skip
+    record = Measurement(time=[0.0, 1.0], position=[0.2, 0.3], voltage=[1.0, 1.0], turning=True)
+    paths = driven_runs.constants_of(axis, record, servos.VARIED)
+    names = {path.rpartition(".")[2] for path in paths}
+    assert {"inertia", "stiffness"} <= names
+    assert not names & {
+        "load",
+        "lower_stop",
+        "upper_stop",
+        "restitution",
+        "resistance",
+        "duty_limit",
+    }
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, incline=0.2)
+    assert driven_runs.constants_of(block, record, ()) == ("mechanism.mass", "mechanism.stiffness")
+
+
+def test_a_constant_with_which_runs_follow_is_said_beside_what_was_given():
+    path = "mechanism.inertia"
+    problem = SimpleNamespace(
+        beside=SimpleNamespace(root=np.eye(1)), model=SimpleNamespace(paths=[path]),
+        following=SimpleNamespace(constants=(path,)),
+    )  # fmt: skip
+    draws = SimpleNamespace(random=np.log([np.ones(401), np.linspace(1.2, 1.4, 401)]))
+    (found,) = DrivenProblem.findings(problem, [draws])
+    sentence = "Runs follow the record with the inertia at 1.3 times what was given (1.2 to 1.4)."
+    assert found.sentence == sentence
+    assert found.asserted

@@ -28,6 +28,7 @@ from stickslip.identify.problems.record_columns import Balance, Memory
 from stickslip.identify.problems.record_model import RecordModel
 from stickslip.identify.problems.record_rows import (
     MIDDLE,
+    Acting,
     BalanceRows,
     by_best_sensor,
     cutoff_of,
@@ -36,6 +37,7 @@ from stickslip.identify.problems.record_rows import (
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
+from stickslip.show.formatting import quantity
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
 
@@ -461,7 +463,8 @@ def test_jumps_of_a_command_are_no_noise() -> None:
     record = Record(time=t, position=np.sin(3.0 * t), force=command)
     above = np.abs(command)[np.abs(command) > 8.5]
     expected = float(np.mean(above)) - 8.5
-    assert RecordModel([record]).balance.excess(8.5) == pytest.approx(expected, rel=1e-9)
+    excess = RecordModel([record]).balance.excess(Acting(limit=8.5))
+    assert excess == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_force() -> None:
@@ -661,22 +664,69 @@ def test_forces_that_a_sensor_clips_are_hidden_and_not_data() -> None:
     assert known["inertia"].high - known["inertia"].low < 0.04 * INERTIA
     clips = next(item for item in judgement.findings if item.term == "clipping")
     assert clips.probability > 0.99
-    assert "%" in clips.sentence
+    at = 0.6 * float(np.max(np.abs(driven().force)))
+    assert f"no more than {quantity(at, 'N', 3)}, " in clips.sentence
+
+
+def test_limits_of_a_sensor_are_of_forces_that_are_clipped() -> None:
+    record = driven()
+    low, high = (share * float(np.max(np.abs(record.force))) for share in (0.5, 0.7))
+    record = replace(record, force=np.clip(record.force, -high, low))
+    judgement = judged(record, driven(seconds=3.0))  # none of the second
+    (clips,) = [item for item in judgement.findings if item.term == "clipping"]
+    assert f"no more than {quantity(low, 'N', 3)} to {quantity(high, 'N', 3)}," in clips.sentence
+    share = float(np.mean((record.force == low) | (record.force == -high)))
+    assert clips.size == pytest.approx(share, abs=0.02)
+
+
+def test_noise_of_a_record_is_that_of_forces_its_sensor_shows() -> None:
+    free = driven(seconds=3.0)
+    most = 0.4 * float(np.max(np.abs(free.force)))
+    clips = replace(free, force=np.clip(free.force, -most, most))
+    model = RecordProblem([clips, free]).model
+    rows = model.balance.rows(MIDDLE)
+    left = np.where(rows.hidden < 0.5, 1.0, math.nan)
+    assert np.mean(np.isnan(left[rows.piece == 0])) > 0.2
+    first, second = model._noise(MIDDLE, left, None).pieces
+    assert first == pytest.approx(second)
+
+
+def pushed(force: Array) -> Record:
+    """Return a record at 500 Hz of an axis that a force pushes: it holds, or friction brakes it."""
+    x, v = np.zeros_like(force), 0.0
+    for k in range(1, len(force)):
+        for _ in range(50):  # steps for each sample
+            free = v + 4e-5 * (force[k - 1] - VISCOUS * v) / INERTIA
+            v = math.copysign(max(abs(free) - 4e-5 * LEVEL / INERTIA, 0.0), free)
+            x[k] += 4e-5 * v
+        x[k] += x[k - 1]
+    noise = 1e-6 * np.random.default_rng(2).normal(size=len(x))
+    return Record(time=0.002 * np.arange(len(x)), position=x + noise, force=force)
 
 
 def test_a_command_that_is_limited_before_it_is_recorded_is_no_sensor_that_clips() -> None:
     t = np.arange(0.0, 8.0, 0.002)
     force = 30.0 * np.sin(2.0 * math.pi * 0.7 * t) + 15.0 * np.sin(2.0 * math.pi * 1.9 * t + 1.0)
-    force = np.clip(force, -20.0, 20.0)
-    x, v = np.zeros_like(t), 0.0
-    for k in range(1, len(t)):  # friction of 8 N holds or brakes, ten steps for each sample
-        for _ in range(10):
-            free = v + 2e-4 * (force[k - 1] - VISCOUS * v) / INERTIA
-            v = math.copysign(max(abs(free) - 2e-4 * LEVEL / INERTIA, 0.0), free)
-            x[k] += 2e-4 * v
-        x[k] += x[k - 1]
-    rng = np.random.default_rng(2)
-    judgement = judged(Record(time=t, position=x + 1e-6 * rng.normal(size=len(t)), force=force))
+    judgement = judged(pushed(np.clip(force, -20.0, 20.0)))
     assert not [item for item in judgement.findings if item.term == "clipping"]
     inertia = next(one for one in judgement.intervals if one.path.endswith("inertia"))
     assert inertia.low < INERTIA < inertia.high
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.2])
+def test_a_force_that_only_changes_its_sign_is_no_sensor_that_clips_and_no_dead_zone(
+    noise: float,
+) -> None:
+    rng = np.random.default_rng(2)
+    turns = np.cumsum(rng.uniform(0.15, 0.85, size=20))
+    t = np.arange(0.0, 8.0, 0.002)
+    force = np.where(np.searchsorted(turns, t) % 2 == 0, 20.0, -20.0)
+    record = pushed(force)
+    problem = RecordProblem([replace(record, force=force + noise * rng.normal(size=len(t)))])
+    assert problem.model.balance._plainly(Memory(length=0.0))[0] == pytest.approx(INERTIA, rel=0.1)
+    judgement = Judgement(problem)
+    known = {one.path.rpartition(".")[2]: one for one in judgement.intervals}
+    for name, value in {"inertia": INERTIA, "kinetic_coefficient": LEVEL}.items():
+        assert known[name].value == pytest.approx(value, rel=0.1)
+        assert known[name].low < value < known[name].high
+    assert not [item for item in judgement.findings if item.asserted]

@@ -15,6 +15,7 @@ from stickslip.identify.problems.table_model import (
     Rows,
     fitted,
     order_of,
+    resolution,
     step_of,
 )
 from stickslip.identify.problems.tables import TableProblem
@@ -506,6 +507,14 @@ def test_equal_readings_tell_friction_to_their_last_digit(read, level, width, re
     finer = Judgement(TableProblem.of(AXIS, known))
     assert np.all(finer.band(finer.problem.at(v)).high < read + 0.03)  # three of these
     assert "All readings are equal" not in " ".join(finer.problem.untold())
+
+
+def test_digits_without_an_end_are_no_unit():
+    numbers = np.exp(np.random.default_rng(6).uniform(-3.0, 5.0, 500)).tolist()
+    for number in (*np.sqrt((2.0, 3.0, 5.0)).tolist(), np.pi):
+        assert resolution(number) == number
+    assert np.mean([resolution(x) < x for x in numbers]) < 0.02
+    assert resolution(3.1 * 4.44822) == pytest.approx(0.1 * LBF, rel=1e-6)  # a rounded factor
 
 
 def test_a_smooth_misfit_of_a_sorted_file_is_no_drift():

@@ -156,6 +156,17 @@ def test_worse_readings_take_more_runs():
     assert 3 < many.tellings["coulomb", "viscous"] == many.repeats <= 10
 
 
+def test_a_rig_known_as_the_sheet_asks_for_keeps_what_is_expected():
+    laws = ["coulomb", "viscous"]
+    sheet = plan(BLOCK, laws, uncertainty=0.015)
+    known = {item.path: item.needed for item in sheet.preparations}
+    same = plan(BLOCK, laws, uncertainty=0.015, parameter_uncertainties=known)
+    assert same.repeats == sheet.repeats > 3
+    for name in laws:
+        expected, again = sheet.expectations[name][0], same.expectations[name][0]
+        assert again.half_width == pytest.approx(expected.half_width, rel=0.01)
+
+
 @pytest.mark.slow
 def test_a_planned_set_rules_the_rival_out_in_nine_of_ten_cases():
     """25 made-up sets: of a binomial with 0.9, 99 % are 18 or more."""

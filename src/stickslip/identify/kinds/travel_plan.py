@@ -375,26 +375,37 @@ class _Bench:
                      for step in (-MOVED, MOVED))  # fmt: skip
         return level, (high - low) / (2.0 * MOVED)
 
-    def _covariance(self, name: str) -> tuple[Array, Array]:
-        """Return the covariance (p + m, p + m) of parameters and travels of a law, and S (m,)."""
+    def _parts(self, name: str) -> tuple[Array, Array, Array]:
+        """Return the covariance (p + m, p + m) of parameters and travels of a law, and S (m,).
+
+        The covariance has two parts: the second is of what nobody stated of the rig, as is `needed`
+        for a run of each setting.
+        """
         law, drawn = self.now.law_of(name), self.now.draws_of(name).unknowns
         values = law.values(drawn)
         rows = np.hstack([values, law.table(self.now.at(self.places), drawn)])
         rows = within_band(rows[np.isfinite(rows).all(axis=1)])
         count, m = values.shape[1], len(self.places)
-        doubts = {**self.needed(LEAST), **self.stated}
+        doubts = {**self.needed(1), **self.stated}
         alone, shared = self._moved(self.typical[name], doubts)
-        moved = [np.r_[np.zeros(count), x] for x in shared.values()]
+        sought, moved = list[Array](), list[Array]()
+        for path, x in shared.items():
+            (moved if path in self.stated else sought).append(np.r_[np.zeros(count), x])
         if not self.has_level:  # the first travel was taken, and not measured
             level, slope = self._slope(name)
             moved.append(np.r_[level, np.zeros(count - 1), slope])
-        columns = np.reshape(moved, (-1, count + m))
+        own, columns = (np.reshape(x, (-1, count + m)) for x in (sought, moved))
         errors = self.error**2 + sum((x**2 for x in alone.values()), np.zeros(m))
-        return np.asarray(np.cov(rows.T) + columns.T @ columns), np.asarray(errors)
+        return np.cov(rows.T) + columns.T @ columns, own.T @ own, np.asarray(errors)
 
     @cached_property
-    def _known(self) -> dict[str, tuple[Array, Array]]:
-        return {name: self._covariance(name) for name in self.typical}
+    def _known(self) -> dict[str, tuple[Array, Array, Array]]:
+        return {name: self._parts(name) for name in self.typical}
+
+    def _covariance(self, name: str, repeats: int) -> tuple[Array, Array]:
+        """Return that of `_parts` with the rig as is needed for so many runs, and S (m,)."""
+        stated, sought, errors = self._known[name]
+        return stated + sought / repeats, errors
 
     def _noise(self, scatter: Array) -> Array:
         """Return the covariance (m, m) of readings with variances (m,), which share an offset."""
@@ -402,7 +413,7 @@ class _Bench:
 
     def left(self, name: str, repeats: int) -> Array:
         """Return the covariance (p + m, p + m) that so many runs of each setting leave of a law."""
-        covariance, errors = self._known[name]
+        covariance, errors = self._covariance(name, repeats)
         read = covariance[-len(errors) :]
         own = read[:, -len(errors) :] + self._noise(errors / repeats)
         return np.asarray(covariance - read.T @ np.linalg.solve(own, read))
@@ -448,10 +459,10 @@ class _Bench:
 
     def gained(self, holds: str, rival: str, repeats: int) -> float:
         """Return the evidence of a law over a rival by readings without errors."""
-        (of, errors), (other, _) = self._known[holds], self._known[rival]
+        (of, errors), (other, _) = (self._covariance(name, repeats) for name in (holds, rival))
         apart, scatter = self.travels[holds] - self.travels[rival], errors / repeats
         m, nu, weights = len(errors), THRESHOLDS.freedom, np.ones(len(errors))
-        for _ in range(STEPS):  # the rival meets them as well as it can, some settings rather
+        for _ in range(STEPS):  # readings that a rival misses weigh less, as Student's t
             seen = other[-m:, -m:] + self._noise(scatter / weights)
             off = np.linalg.solve(seen, apart)
             left = off * scatter / weights
@@ -503,11 +514,7 @@ class _Bench:
             if path != READINGS and known[path] and not path.endswith(".gravity")
         }
         half = HALF * self._part(READINGS, 1.0, repeats)
-        return {
-            p: half / part
-            for p, part in parts.items()
-            if part * abs(known[p]) > THRESHOLDS.rounding
-        }
+        return {p: half / x for p, x in parts.items() if x * abs(known[p]) > THRESHOLDS.rounding}
 
     def share(self, repeats: int, **changed: float) -> float:
         """Return the standard uncertainty of the level over itself, with other parts of the rig."""

@@ -153,7 +153,7 @@ LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
 """Levels over the load that are tried of what drives itself: a twentieth more each, from rolling to
 rubber."""
 SHARES = (0.1, 0.2, 0.35, 0.6, 1.0)
-"""Shares of the records that are taken in one after the other then."""
+"""Shares of the records that are taken in one after the other, by runs of what drives itself."""
 OTHER = 4.0
 """Cost over that of runs that follow, beyond which others have left their valley."""
 FAST = 0.5
@@ -689,15 +689,18 @@ def constants_of(
 ) -> tuple[str, ...]:
     """Return paths of what is given of a rig and may be wrong: its own numbers and its motor's.
 
-    They are above 0, as masses, lengths, springs and constants of a motor are.
+    Their ranges begin at 0 and have no end, as those of masses, lengths, springs and constants of a
+    motor: their logarithm has a prior, which says nothing of places, angles and shares. A load is
+    part of the level, and gravity is known.
     """
     motor = None if motor_of(mechanism) is None else "drive"
     anew = {path for record in measurement.records() for path in record.overrides}
     return tuple(
         path
-        for path, _, x in parameters(mechanism, "mechanism")
+        for path, item, x in parameters(mechanism, "mechanism")
         for _, *within, name in [path.split(".")]
-        if x > 0.0 and within in ([], [motor]) and name != "gravity"
+        if x > 0.0 and within in ([], [motor]) and name not in ("gravity", "load")
+        and 0.0 in (item.low, item.above) and item.high == math.inf
         and path not in {*known, *anew, OFFSET}
     )  # fmt: skip
 
@@ -1141,11 +1144,9 @@ class DrivenProblem(Problem):
             factor = np.exp(away[self.model.paths.index(path)])
             ends = [quantity(x, "", 3) for x in np.quantile(factor, (0.5, 0.025, 0.975)).tolist()]
             name = parameter_words(path)
-            what = (
-                "Runs follow the record with a {} {} times as given ({} to {}): check it.".format(
-                    name, *ends
-                )
-            )  # another fault of the rig may pass for it
+            # another fault of the rig may pass for it
+            what = "Runs follow the record with the {} at {} times what was given ({} to {})."
+            what = what.format(name, *ends)
             likely = float(np.mean(np.abs(factor - 1.0) > NEGLIGIBLE))
             title = f"{name} larger or smaller than given"
             result.append(stated(f"{name}_given", title, likely, factor - 1.0, what))

@@ -49,7 +49,8 @@ FORCE = "force"
 WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
-"""Standard deviation of what a gear transmits over its mean, from which friction may show it."""
+"""Standard deviation over the mean: of what a gear transmits, from which friction may show it, and
+of the size of a force, from which a dead zone is more than a gain."""
 OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
 """Lengths of further bristles, over that of the law: so near that their sums follow how a surface
 of any kind yields."""
@@ -617,10 +618,14 @@ class Balance:
 
     @cached_property
     def opposed(self) -> bool:
-        """Whether a drive pushes against the motion, too: else a dead zone is a level."""
+        """Whether a drive pushes against the motion, too: else a dead zone is a level.
+
+        It would explain all of a force that changes nothing but its sign.
+        """
         if self._from is not self:
             return self._from.opposed
-        if not self.driven:
+        size = np.abs(np.concatenate([piece.record.force for piece in self.pieces]))
+        if not self.driven or np.std(size) < VARIES * np.mean(size):
             return False
         seen = self.rows(MIDDLE).seen
         level = seen([np.asarray(piece.direction, dtype=float) for piece in self.pieces])
@@ -669,7 +674,7 @@ class Balance:
             + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
-        weights = TINY**rows.hidden
+        weights = TINY ** (rows.hidden * self.clips)
         for kept in (1.0, 0.0) if self.pulled else (0.0,):
             x[:, 4] *= kept
             weighed = x / size * weights[:, None]

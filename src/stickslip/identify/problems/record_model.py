@@ -252,8 +252,8 @@ HALVED = 2.0
 """What is left with a linear delay over that with another, from which that is looked at: what a
 motion with other joints leaves is no noise, and less than that is gained there by 17 ms."""
 OTHERWISE = 0.05
-"""Prior probability that a channel is late by more than is linear, and that a drive saturates: of
-careful experimenters one in twenty has not seen it."""
+"""Prior probability that a channel is late by more than is linear, that a drive saturates, and that
+a sensor of the force clips: of careful experimenters one in twenty has not seen it."""
 FEW, FEWEST = 20, 5
 """Rows that a quantile or a median needs."""
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
@@ -806,10 +806,11 @@ class RecordModel(Model):
         return left
 
     def _look_otherwise(self, columns: Sequence[Array]) -> None:
-        """Look for how forces may act otherwise: late, or up to a limit.
+        """Look for how forces may act otherwise: late, up to a limit, or beyond a sensor's range.
 
-        Each stands beside the columns of some bristles (n, p), of which the last is for the rest
-        of a delay. What a plain balance makes likelier than its prior is left to the posterior.
+        Delay and limit stand beside the columns of some bristles (n, p), of which the last is for
+        the rest of a delay. The posterior compares those that a plain balance makes likelier than
+        their prior, and a sensor that clips wherever one may.
         """
         now = self.balance.acting
         told = self.balance.turned or not self.balance.measured  # only turns show late friction
@@ -1065,11 +1066,9 @@ class RecordModel(Model):
         sizes = np.maximum(sizes, self._rounding(which))
         pieces = np.ones(len(self.balance.pieces))
         if len(pieces) > 1:
-            z = np.nan_to_num(np.minimum((left / sizes[of]) ** 2, 9.0))
-            pieces = np.array(
-                [math.sqrt(float(np.mean(z[rows.piece == k])) if (rows.piece == k).any() else 1.0)
-                 for k in range(len(pieces))]
-            )  # fmt: skip
+            z, shown = np.minimum((left / sizes[of]) ** 2, 9.0), np.isfinite(left)
+            of_each = [z[shown & (rows.piece == k)] for k in range(len(pieces))]
+            pieces = np.sqrt([float(np.mean(x)) if len(x) else 1.0 for x in of_each])
             pieces = np.clip(pieces / math.sqrt(float(np.mean(pieces**2))), 0.4, 2.5)
         return replace(noise, deviations=sizes, pieces=pieces)
 

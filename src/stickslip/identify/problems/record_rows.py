@@ -372,10 +372,15 @@ class Piece:
         """Share of the samples at an end of the range of forces, with its sign (n,).
 
         Of single samples and their like at either end none are: peaks are no limits of a sensor.
+        Nor is that to which a force jumps by half of it or more, as a command does.
         """
         force, result = self.given.force, np.zeros(len(self.given.force))
+        beside = np.pad(force, 1, constant_values=np.nan)
         for side, end in ((-1.0, np.min(force)), (1.0, np.max(force))):
             equal = side * force >= side * end - ROUNDED * abs(end)
+            first, last = np.flatnonzero(np.diff(np.pad(equal, 1).astype(int))).reshape(-1, 2).T
+            near = 2.0 * np.fmax(side * beside[first], side * beside[last + 1]) > side * end
+            equal[equal] = np.repeat(near, last - first)
             if np.sum(equal[1:] & equal[:-1]) > FEWEST and side * end > 0.0:
                 result[equal] = side
         return means(result, round(self.step / self.sample))

@@ -967,10 +967,14 @@ class RecordProblem(Problem):
 
     def _clipped(self) -> list[Finding]:
         """Return how often the sensor of the force shows as much as it can, if more acts then."""
-        acts, pieces = [item.clipped for item in self.model.actings], self.model.balance.pieces
+        pieces = [piece for piece in self.model.balance.pieces if np.any(piece.clipped)]
+        if not any(acts := [item.clipped for item in self.model.actings]):
+            return []
         share = np.abs(np.concatenate([piece.clipped for piece in pieces])).mean(keepdims=True)
-        most = max(float(np.max(np.abs(piece.given.force))) for piece in pieces)
-        shown = quantity(most, "N m" if self.turning else "N", 3)
+        sides = [(side * x.clipped, side * x.given.force) for side in (-1, 1) for x in pieces]
+        ends = [float(np.max(force)) for clipped, force in sides if np.max(clipped) > 0.0]
+        unit = "N m" if self.turning else "N"
+        shown = " to ".join(dict.fromkeys(quantity(f(ends), unit, 3) for f in (min, max)))
         what = (
             f"The sensor of the force shows no more than {shown}, as in"
             f" {percent(float(share[0]))} of the samples, where more acts: as the motion needs."

@@ -992,10 +992,11 @@ def resolution(size: float) -> float:
     (1e-05, 0.445, 2.3333333333333335)
     """
     digit = last_digit([size])
-    few = {one: float(f"{size / one:.3g}") for one in (factor(unit, None) for unit in READ_IN)}
-    near = [one * last_digit([x]) for one, x in few.items() if abs(x * one - size) < 1e-4 * size]
     if digit > 1e-5 * size:
         return digit
+    few = {one: float(f"{size / one:.3g}") for one in (factor(unit, None) for unit in READ_IN)}
+    same = max(1e-6 * size, 10.0 * digit)  # to more digits, if there are more, than any number is
+    near = [one * last_digit([x]) for one, x in few.items() if abs(x * one - size) < same]
     return max(near or [digit if digit > 1e-9 * size else size])
 
 
