@@ -20,7 +20,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identify.fits.motions import mean_force, passed_by_balance
+from stickslip.identify.fits.motions import mean_force
 from stickslip.mechanisms.drives import Sampled
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
@@ -243,16 +243,6 @@ def test_reversals_of_slowly_sampled_records_are_no_rests():
         level = found.estimate("friction.kinetic_coefficient")
         errors.append((level.value - rig.law.kinetic_coefficient) / level.half_width)
     assert np.sqrt(np.mean(np.square(errors))) < 1.5
-
-
-def test_bristles_are_resolved_as_finely_as_the_noise_of_positions_allows():
-    # slow moves with stick-slip steps of 5 ms: the mean frequency says nothing of the steps
-    t = 0.001 * np.arange(20_000)
-    x = np.sin(0.6 * t) + 1e-3 * np.sin(250.0 * t)
-    fine = 1e-7 * np.round(x / 1e-7)
-    coarse = 1e-2 * np.round(x / 1e-2)
-    assert passed_by_balance(fine, resolved=True) > 5.0 * passed_by_balance(fine)
-    assert passed_by_balance(coarse, resolved=True) < 0.2 * passed_by_balance(fine, resolved=True)
 
 
 def one_sided(back):

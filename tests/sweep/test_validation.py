@@ -96,8 +96,9 @@ def test_a_late_record_does_not_agree_and_its_shift_is_found():
     assert one.shifted_rms == pytest.approx(NOISE, rel=0.25)
     found = fit(CART, LAW, measured)
     refit = Refit(fit=found, parameters=compare_estimates(LAW, KNOWN, found))
-    assert refit.explains is None  # with these times nothing is told of the law
-    assert not refit.parameters
+    assert refit.explains  # a delay of the drive is an unknown of the fit
+    (level,) = found.estimates
+    assert level.low <= LAW.kinetic_coefficient <= level.high
     said = " ".join(refit.sentences(seen))
     assert "may be shifted" in said
 

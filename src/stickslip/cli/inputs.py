@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Generic
+from typing import Any, Generic, TypeVar
 
 from stickslip.cli import console as terminal
 from stickslip.cli import options as option_groups
@@ -28,7 +28,6 @@ from stickslip.data import (
     read_data,
     read_number,
 )
-from stickslip.data.rig import Friction
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
 from stickslip.friction import (
     PRINTED_FORMS,
@@ -58,6 +57,7 @@ from stickslip.show.formatting import joined, number, printable, significant, un
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
 
 
+Friction = TypeVar("Friction", FrictionLaw, Laws)
 USUAL_LAW = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
 """A file, and after a colon which of its laws."""

@@ -67,6 +67,7 @@ from stickslip.identify.fits.settings import RecordSettings as RecordSettings
 from stickslip.identify.fits.settings import SETTLED as SETTLED
 from stickslip.identify.fits.settings import SURE as SURE
 from stickslip.identify.fits.settings import TAKES_PART as TAKES_PART
+from stickslip.identify.fits.shooting.multiple_shooting import DELAY as DELAY
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting as Shooting
 from stickslip.identify.fits.shooting.segments import measured_quantity as measured_quantity
 from stickslip.identify.fits.shooting.segments import segments_of as segments_of
@@ -97,6 +98,7 @@ from stickslip.identify.fits.validation import refuse_of_laws as refuse_of_laws
 from stickslip.identify.fits.validation import varied_paths as varied_paths
 
 __all__ = [
+    "DELAY",
     "Estimate",
     "Fit",
     "RecordSettings",

@@ -43,6 +43,7 @@ from stickslip.errors import InputError
 from stickslip.friction import CoulombViscous, FrictionLaw, SetValuedLaw, bound
 from stickslip.identify.bands import MeasuredPoints
 from stickslip.identify.fits import (
+    DELAY,
     WIDE,
     FreeParameter,
     FreeParameters,
@@ -55,7 +56,6 @@ from stickslip.identify.fits import (
     measured_quantity,
     segments_of,
 )
-from stickslip.identify.fits.shooting.multiple_shooting import DELAY
 from stickslip.identify.forces import TRANSMITTED, with_gear
 from stickslip.identify.judgement import DRAWS, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import POINTS, Composition, composed_over
@@ -432,6 +432,8 @@ class DrivenRuns:
         for share in SHARES:
             part = runs.shortened(share)
             least = part.linearise(least.values, least)
+            if not least.finite:
+                break
             prior = replace(self._known, runs=part, deviation=least.rms / math.sqrt(KAPPA))
             gain = 2.0 * SETTLED * prior.deviation**2
             end = improve(prior, least.values, rounds=4 * STEPS, least=gain, near=least)
