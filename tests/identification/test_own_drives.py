@@ -202,7 +202,7 @@ def test_a_stiffness_that_is_not_as_given_is_named_and_moves_no_friction():
     assert level.high - level.low < 0.002
     assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
     (finding,) = (item for item in found.verdict.findings if item.asserted)
-    assert "a stiffness 1.09 times as given" in finding.sentence
+    assert "the stiffness at 1.09 times what was given" in finding.sentence
 
 
 def test_constants_that_do_the_same_are_not_named():

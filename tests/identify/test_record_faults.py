@@ -522,7 +522,7 @@ def test_inertia_and_friction_hold_beside_a_mass_on_a_spring(mass: float, freque
     assert flexible.asserted
     stated = re.search(r"agrees with (.*) kg that swings with (.*) Hz", flexible.sentence)
     assert stated
-    assert float(stated[1]) == pytest.approx(6.3 * flexible.size, rel=0.02)
+    assert float(stated[1]) == pytest.approx(6.3 * flexible.size, abs=0.05)
     # slow motion shows the mass over the square of its frequency, not both, of a stiff mode
     shown = 6.3 * flexible.size / float(stated[2]) ** 2
     assert shown == pytest.approx(mass / frequency**2, rel=0.2)
