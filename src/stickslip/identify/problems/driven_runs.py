@@ -12,8 +12,8 @@ are unknown: Newton's polynomials through values at `KNOTS` speeds beside a plai
 :math:`\tau_0`, over the size :math:`F` of friction. Each segment of the records starts as it fits
 best.
 
-0. Constants that are given of the rig are unknown with a prior about what was given, if runs tell
-   them, and so is a delay of what drives.
+0. Constants that are given of the rig are unknown with a prior about what was given, if runs
+   determine them, and so is a delay of what drives.
 1. The plain law and :math:`\phi` are found by steps of Levenberg and Marquardt along the
    sensitivities of the engine, :math:`\log\phi` with a prior of deviation `PRIOR` about what was
    given. Steps end where they would raise the logarithm of the posterior by less than `SETTLED`.
@@ -512,15 +512,15 @@ class DrivenRuns:
         rows = np.linalg.inv(SIZES[FOLLOWING] * beside.table @ beside.root)
         result = first.of(self.law, np.zeros(len(beside.root)), rig)
         result = result.settled(np.hstack([np.zeros((len(rows), len(rig))), rows]), ROUNDS)
-        told = tuple(path for path in self.constants if result._is_told(path))
-        sizes = {path: WRONG[-1 if path in told else 0] for path in self.constants}
-        result = replace(result, doubts={**result.doubts, **sizes}, constants=told)
+        determined = tuple(path for path in self.constants if result._is_determined(path))
+        sizes = {path: WRONG[-1 if path in determined else 0] for path in self.constants}
+        result = replace(result, doubts={**result.doubts, **sizes}, constants=determined)
         return result.settled(result.rows[len(result.late) > 0 :], ROUNDS)
 
-    def _is_told(self, path: str) -> bool:
-        """Return whether runs tell a constant of the rig better than its prior, others as given.
+    def _is_determined(self, path: str) -> bool:
+        """Return whether runs tell more of a constant than its prior, with others as given.
 
-        What they do not tell is as given: in its units all else counts.
+        What they do not is as given: in its units all else counts.
         """
         place = [item.path for item in self.items].index(path)
         left = np.sum(self.root(COEFFICIENT, path)[place] ** 2) / self.seen.values[place] ** 2

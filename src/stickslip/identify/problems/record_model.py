@@ -813,8 +813,8 @@ class RecordModel(Model):
         their prior, and a sensor that clips wherever one may.
         """
         now = self.balance.acting
-        told = self.balance.turned or not self.balance.measured  # only turns show late friction
-        result = [self._delayed(columns)] if told and not now.delay else []
+        shown = self.balance.turned or not self.balance.measured  # only turns show late friction
+        result = [self._delayed(columns)] if shown and not now.delay else []
         if self.balance.driven and not (math.isfinite(now.limit) or now.clipped):
             result.append(self._limited(columns))
             if self.balance.clips:  # the posterior tells

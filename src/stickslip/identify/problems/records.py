@@ -824,7 +824,7 @@ class RecordProblem(Problem):
             side = 1.0 if (v > 0.0).any() else -1.0
             at = self.at([side * float(np.median(np.abs(v[side * v > 0.0])))])
             typical = abs(float(np.median(self.steady(at, draws))))
-            first, last = (quantity(typical + x, unit, 3) for x in ends)
+            first, last = (quantity(typical + x, unit, 2) for x in ends)  # a smooth course of it
             verb = "falls" if size < 0.0 else "rises"
             beside = ", or a force beside it," if self._one_way else ""
             return (

@@ -994,9 +994,9 @@ def resolution(size: float) -> float:
     digit = last_digit([size])
     if digit > 1e-5 * size:
         return digit
-    few = {one: float(f"{size / one:.3g}") for one in (factor(unit, None) for unit in READ_IN)}
+    few = {x: float(f"{size / x:.3g}") for x in (factor(unit, None) for unit in READ_IN)}
     same = max(1e-6 * size, 10.0 * digit)  # to more digits, if there are more, than any number is
-    near = [one * last_digit([x]) for one, x in few.items() if abs(x * one - size) < same]
+    near = [x * last_digit([k]) for x, k in few.items() if abs(k * x - size) < same]
     return max(near or [digit if digit > 1e-9 * size else size])
 
 
