@@ -115,9 +115,9 @@ def propose(
     start = width()
     if not start:
         return Proposal(places=(), shrinks=1.0, widths=(1.0,))
-    chosen, shrinks, most = list[int](), [1.0], min(MOST, taken)
-    while len(chosen) < COUNTED:
-        if shrinks[-1] <= (enough if len(chosen) < most else HALVED):
+    chosen, shrinks = list[int](), [1.0]
+    while len(chosen) < max(COUNTED, taken):
+        if shrinks[-1] <= (enough if len(chosen) < taken else HALVED):
             break
         own = covariance[numbers[:, :, None], count + numbers[:, None, :]] + scatter
         cross = covariance[numbers, :count]
@@ -129,7 +129,7 @@ def propose(
         covariance -= rows[:, count:].T @ less
         chosen.append(best)
         shrinks.append(width() / start)
-    some = min(most, len(chosen))
+    some = min(taken, len(chosen))
     widths = tuple(shrinks[1 : some + 1])
     if shrinks[some] >= WORTH:
         return Proposal(places=(), shrinks=1.0, widths=widths)
@@ -141,6 +141,65 @@ def propose(
         least=shrinks[-1],
         widths=widths,
     )
+
+
+def rehearsed(
+    laws: Sequence[tuple[float, Array, Array]],
+    errors: Array,
+    rest: Array,
+    doubt: float,
+    odds: float,
+) -> tuple[Array, Array]:
+    r"""Return widths (k,) to which readings may come, and whether they leave one law (k,).
+
+    Of each law there is its mass, and what is asked (d, n) and read (d, m) in its draws; the last
+    stands for all that is no law. Readings are drawn from one of them with `errors`, a covariance
+    (m, m), and update each as in `propose`: its mass by their density, which has a mean and a
+    covariance. One law is left at `odds` over each other. Where the logarithm of the noise is known
+    to a deviation, it comes out off by the `doubt` that readings take off that. `rest` as there.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> near, far, none = (x + rng.normal(size=(300, 1)) for x in (0.0, 20.0, 9.0))
+    >>> laws = [(0.5, near, near), (0.5, far, far), (0.0, none, none)]
+    >>> widths, alone = rehearsed(laws, np.eye(1), np.zeros(1), 0.0, 100.0)
+    >>> round(float(np.median(widths)), 2), float(np.mean(alone))  # sqrt(1/2) over sqrt(101)
+    (0.07, 1.0)
+    """
+    rng, mass = np.random.default_rng(5), np.array([item[0] for item in laws])
+    mass /= mass.sum()
+    drawn = [
+        laws[k][2][rng.integers(len(laws[k][2]))] for k in rng.choice(len(laws), COUNTED, p=mass)
+    ]
+    read = np.array(drawn) + rng.multivariate_normal(np.zeros(len(errors)), errors, COUNTED)
+    logs, means, variances, today = [], [], [], []
+    for share, x, y in laws:
+        both = np.cov(np.hstack([x, y]).T).reshape(-1, x.shape[1] + y.shape[1])
+        cross, own = both[x.shape[1] :, : x.shape[1]], both[x.shape[1] :, x.shape[1] :] + errors
+        off = read - y.mean(axis=0)
+        less, scores = np.linalg.solve(own, cross), np.linalg.solve(own, off.T).T
+        logs.append(math.log(share + 1e-300) - 0.5 * np.linalg.slogdet(own)[1]
+                    - 0.5 * np.sum(off * scores, axis=1))  # fmt: skip
+        means.append(x.mean(axis=0) + off @ less)
+        today.append((x.mean(axis=0), x.var(axis=0)))
+        variances.append(np.maximum(x.var(axis=0) - np.sum(cross * less, axis=0), 0.0))
+    log = np.array(logs)
+    weights = np.exp(log - log.max(axis=0))
+    weights /= weights.sum(axis=0)
+
+    def width(shares: Array, middles: Array, own: Array) -> Array:
+        """Return the mean standard deviation (k,) of what is asked of several laws."""
+        middle = np.einsum("lk,lkn->kn", shares, middles)
+        spread = np.einsum("lk,lkn->kn", shares, own + (middles - middle) ** 2)
+        return np.asarray(np.mean(np.sqrt(spread + rest), axis=1))
+
+    now, around = (np.array(item)[:, None] for item in zip(*today, strict=True))
+    before = width(mass[:, None], now, around)
+    after = width(weights, np.array(means), np.array(variances)[:, None])
+    ordered = np.sort(weights[:-1], axis=0)
+    alone = ordered[-1] >= odds * (ordered[-2] if len(ordered) > 1 else 0.0)
+    return after / before * np.exp(doubt * rng.normal(size=COUNTED)), np.asarray(alone)
 
 
 def width_after(points: Array, seen: Sequence[Array]) -> float:

@@ -19,7 +19,7 @@ from stickslip.data import (
     without_outliers,
 )
 from stickslip.errors import InputError
-from stickslip.identify.bands import Foreseen
+from stickslip.identify.bands import Array, Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import (
     Hold,
@@ -30,8 +30,8 @@ from stickslip.identify.fits import (
     refuse_other_loads,
 )
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
-from stickslip.identify.judgement import DRAWS, Judgement
-from stickslip.identify.ladder import ladder_verdict, rest_sentence
+from stickslip.identify.judgement import DRAWS, RIVAL, Judgement
+from stickslip.identify.ladder import LEAST, ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, followed
 from stickslip.identify.problems.free_balance import free_form, goes_on
@@ -40,12 +40,15 @@ from stickslip.identify.problems.free_runs import AGAIN
 from stickslip.identify.problems.record_checks import LIFTED, refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import LOAD, RecordProblem
+from stickslip.identify.problems.table_model import Rows
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import (
+    MOST,
     WORTH,
     Proposal,
     propose,
+    rehearsed,
     widths_of_another,
     within_band,
 )
@@ -64,6 +67,9 @@ from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import quantity
+
+EACH = 60
+"""Draws of each law of which it is rehearsed what readings come to."""
 
 
 def checked(
@@ -121,28 +127,7 @@ def select_table(
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
-    offered = problem.offered()
-    # friction is asked for, and read, early, midway and late: new readings are in random order
-    times, n = (0.0, 0.5, 1.0), len(offered.velocity)
-    rows = offered.where(np.tile(np.arange(n), len(times)))
-    rows = replace(rows, order=np.repeat(times, n))
-    steady = within_band(problem.steady(rows, judgement.draws))
-    curves = within_band(judgement.curves(rows))
-    # friction is as well known at each load, about
-    grown = np.tile(problem.model.frame.grown(offered), len(times))
-    # what runs differ, and ends that may be outliers, no reading takes off
-    rest = np.maximum(np.var(curves, axis=0) - np.var(steady, axis=0), 0.0) / grown**2
-    noise, shared = problem.errors(offered)
-    proposal = propose(
-        steady / grown,
-        steady,
-        np.tile(noise, len(times)),
-        problem.table.total,
-        rest,
-        shared=np.tile(shared, (len(times), len(times))),
-    )
-    chosen = offered.where(np.array(proposal.places, dtype=np.intp) % n)
-    conditions = ({LOAD: chosen.load} if problem.model.frame.loaded else {}) | {**chosen.inputs}
+    proposal, chosen = further_readings(judgement)
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     ordered_by = problem.model.ordered_by
     remarks = [ORDERED.format(ordered_by)] * bool(ordered_by)
@@ -155,14 +140,123 @@ def select_table(
         words,
         checks=checks,
         proposal=proposal,
-        places=tuple(chosen.velocity.tolist()),
-        conditions={name: tuple(x.tolist()) for name, x in conditions.items()},
+        **settings_of(problem, chosen),
         largest_speed=problem.model.frame.fastest,
         route="table",
         foreseer=foreseer,
         second=validate,
         foreseen=None if validate is None else foreseer(validate),
         remarks=tuple(remarks),
+    )
+
+
+def _wanted(judgement: Judgement) -> tuple[Rows, Array, Array, Array]:
+    """Return the rows (n,) at which friction is wanted, and how it grows with the load there.
+
+    Then its draws (k, n), and the variance (n,) that no reading takes off.
+    """
+    problem = judgement.problem
+    assert isinstance(problem, TableProblem)
+    offered = problem.offered()
+    # friction is asked for, and read, early, midway and late: new readings are in random order
+    times, n = (0.0, 0.5, 1.0), len(offered.velocity)
+    rows = offered.where(np.tile(np.arange(n), len(times)))
+    rows = replace(rows, order=np.repeat(times, n))
+    steady = within_band(problem.steady(rows, judgement.draws))
+    curves = within_band(judgement.curves(rows))
+    # friction is as well known at each load, about
+    grown = np.tile(problem.model.frame.grown(offered), len(times))
+    # what runs differ, and ends that may be outliers, no reading takes off
+    rest = np.maximum(np.var(curves, axis=0) - np.var(steady, axis=0), 0.0) / grown**2
+    return rows, grown, steady, rest
+
+
+def further_readings(judgement: Judgement, count: int | None = None) -> tuple[Proposal, Rows]:
+    """Return which readings of a table to make, with their rows in the order of their gain.
+
+    They are no more than were made, and end where little is left to gain, if no count is given.
+    """
+    problem = judgement.problem
+    assert isinstance(problem, TableProblem)
+    rows, grown, steady, rest = _wanted(judgement)
+    offered = problem.offered()
+    n = len(offered.velocity)
+    noise, shared = problem.errors(offered)
+    proposal = propose(
+        steady / grown,
+        steady,
+        np.tile(noise, len(rows.velocity) // n),
+        min(MOST, problem.table.total) if count is None else count,
+        rest,
+        shared=np.tile(shared, (len(rows.velocity) // n,) * 2),
+        **({} if count is None else {"enough": 0.0}),
+    )
+    return proposal, offered.where(np.array(proposal.places, dtype=np.intp) % n)
+
+
+def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
+    """Return velocities of rows, and loads and inputs where these differ, as a verdict has them."""
+    conditions = ({LOAD: rows.load} if problem.model.frame.loaded else {}) | {**rows.inputs}
+    return {
+        "places": tuple(rows.velocity.tolist()),
+        "conditions": {name: tuple(x.tolist()) for name, x in conditions.items()},
+    }
+
+
+def with_readings(measurement: Measurement, rows: Rows, friction: Array) -> Measurement:
+    """Return a table with further readings of friction (n,) at rows, of trials as another one."""
+    records = measurement.records()
+    first = records[0]
+    new: dict[str, Array] = {"velocity": rows.velocity, "friction": friction}
+    new |= {} if first.load is None else {LOAD: rows.load}
+    inputs = {name: rows.inputs[name] for name in first.inputs if name in rows.inputs}
+    if len(records) > 1:
+        more = Measurement(**new, inputs=inputs, turning=measurement.turning)
+        return replace(measurement, trials=(*measurement.trials, more))
+    ones, shape = np.ones(len(friction)), first.friction.shape
+
+    def longer(own: Any, more: Array) -> Array:
+        return np.append(np.broadcast_to(own, shape), more)
+
+    return Measurement(
+        **{name: longer(first.values(name), x) for name, x in new.items()},
+        inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
+        uncertainty={name: longer(x, np.median(x) * ones) for name, x in first.uncertainty.items()},
+        uncertainty_kind=first.uncertainty_kind,
+        parameter_uncertainties=measurement.parameter_uncertainties,
+        turning=measurement.turning,
+    )
+
+
+def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, Array]:
+    """Return to which widths of the band readings at rows may come, and whether they leave one law.
+
+    Widths (k,) over that of now. Laws are those of a thousandth of the likeliest's mass.
+    """
+    problem = judgement.problem
+    assert isinstance(problem, TableProblem)
+    posterior, model, taken = problem.posterior, problem.model, len(rows.velocity)
+    asked, grown, _, rest = _wanted(judgement)
+    noise, shared = problem.errors(rows)
+    far = [model.unexplained(item) > judgement.tolerance * problem.size for item in posterior.nodes]
+    is_far = np.broadcast_to(np.array(far)[:, None], posterior.weights.shape)
+    least = LEAST * max(rung.adequate for rung in judgement.rungs)
+    laws = [(x.adequate, problem.holds(x.family) & ~is_far) for x in judgement.rungs]
+    laws = [item for item in laws if item[0] > least]
+    laws.append((float(posterior.weights[is_far].sum()), is_far if any(far) else ~is_far))
+    drawn = [(mass, posterior.draws(EACH, seed=1, only=only)) for mass, only in laws]
+    midway = replace(rows, order=np.full(taken, 0.5))
+    every = [
+        (mass, *(within_band(problem.steady(at, x)) for at in (asked, midway))) for mass, x in drawn
+    ]
+    weights = posterior.weights.sum(axis=1)
+    sizes = np.log([model.sigma(node) for node in posterior.nodes])
+    doubt = np.sqrt(
+        weights @ (sizes - weights @ sizes) ** 2 * taken / (taken + problem.table.total)
+    )
+    errors = np.diag(noise**2) + shared
+    return rehearsed(
+        [(mass, x / grown, read) for mass, x, read in every], errors, rest, float(doubt), RIVAL
     )
 
 
