@@ -4,7 +4,7 @@ import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -13,7 +13,13 @@ import typer
 
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
-from stickslip.cli.options import DemoOptions, FitOptions, PlanOptions, SelectOptions
+from stickslip.cli.options import (
+    DemoOptions,
+    FitOptions,
+    MeasuredOptions,
+    PlanOptions,
+    SelectOptions,
+)
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
@@ -291,14 +297,20 @@ def _show_fit(result: Fit, shown: kinds.FitSummary) -> None:
 
 def run_plan(options: PlanOptions) -> None:
     """Plan, write the sheet, show."""
+    rig = inputs.rig_with(options, terminal.overrides(options.changes))
+    travels = rig.measurement
+    if options.data or (travels is not None and kinds.is_further(rig.mechanism, travels)):
+        names = [item.name for item in fields(MeasuredOptions) if hasattr(options, item.name)]
+        given = MeasuredOptions(**{name: getattr(options, name) for name in names})
+        kind, request, _ = inputs.measured(rig, given)
+        travels = request.measurement
+        if kinds.is_further(rig.mechanism, travels):
+            _plan_further(options, rig, kind, request)
+            return
     files = _files(options.output)
     for file in files:
         terminal.refuse_overwriting(file, file.parent, force=options.force)
     _refuse_filled_in(files[1:])
-    rig = inputs.rig_with(options, terminal.overrides(options.changes))
-    travels = rig.measurement
-    if travels is not None and not travels.travelled:
-        travels = None
     setting = kinds.setting_of(rig.mechanism, travels, rig.t_end)
     between = _between(setting, rig, options.between)
     if not options.as_json:
@@ -312,7 +324,9 @@ def run_plan(options: PlanOptions) -> None:
         settings=options.settings,
         uncertainty=_uncertainty(options.uncertainty),
         t_end=rig.t_end,
+        readings=options.readings,
     )
+    assert isinstance(result, kinds.Plan)
     if files:
         _write(result, rig, options.rig, files)
     if options.as_json:
@@ -324,6 +338,33 @@ def run_plan(options: PlanOptions) -> None:
     _show_plan(result)
     if files:
         terminal.stdout().print(f"\nWritten: {', '.join(map(str, files))}")
+
+
+def _plan_further(
+    options: PlanOptions, rig: Rig, kind: kinds.AnyKind, request: kinds.Request
+) -> None:
+    """Select, plan what to measure beside, write the table to fill in, show."""
+    output = options.output
+    if output is not None:
+        if output.suffix.lower() != ".csv":
+            raise InputError(f"the readings to make are written as a .csv file, got {output}.")
+        terminal.refuse_overwriting(output, output.parent, force=options.force)
+        _refuse_filled_in([output])
+    verdict = _selected(kind, replace(request, laws=laws_of(rig, options.laws)))
+    result = kinds.further_plan(verdict, options.readings)
+    files = [output] if output is not None and result.sheet is not None else []
+    for file in files:
+        documents.write_files({file: result.csv()})
+    if options.as_json:
+        head = {"rig": rig.heading, "digest": rig.digest}
+        terminal.print_json(
+            documents.document("plan", {**head, **result.to_dict(), "files": [*map(str, files)]})
+        )
+        return
+    for line in result.lines or [result.sentence]:
+        terminal.stdout().print(f"\n{terminal.plain(line)}")
+    if files:
+        terminal.stdout().print(f"\nWritten: {output}. Fill in the column friction.")
 
 
 def _files(output: Path | None) -> list[Path]:

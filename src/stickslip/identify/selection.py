@@ -203,17 +203,15 @@ def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
     }
 
 
-def with_readings(measurement: Measurement, rows: Rows, friction: Array) -> Measurement:
-    """Return a table with further readings of friction (n,) at rows, of trials as another one."""
-    records = measurement.records()
-    first = records[0]
-    new: dict[str, Array] = {"velocity": rows.velocity, "friction": friction}
+def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
+    """Return a table with rows to fill in, whose friction is 0 so far; of trials as another one."""
+    first, *others = measurement.records()
+    new: dict[str, Array] = {"velocity": rows.velocity, "friction": 0.0 * rows.velocity}
     new |= {} if first.load is None else {LOAD: rows.load}
     inputs = {name: rows.inputs[name] for name in first.inputs if name in rows.inputs}
-    if len(records) > 1:
-        more = Measurement(**new, inputs=inputs, turning=measurement.turning)
-        return replace(measurement, trials=(*measurement.trials, more))
-    ones, shape = np.ones(len(friction)), first.friction.shape
+    if others:
+        return Measurement(**new, inputs=inputs, turning=measurement.turning)
+    shape = np.shape(first.friction)
 
     def longer(own: Any, more: Array) -> Array:
         return np.append(np.broadcast_to(own, shape), more)
@@ -221,9 +219,6 @@ def with_readings(measurement: Measurement, rows: Rows, friction: Array) -> Meas
     return Measurement(
         **{name: longer(first.values(name), x) for name, x in new.items()},
         inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
-        uncertainty={name: longer(x, np.median(x) * ones) for name, x in first.uncertainty.items()},
-        uncertainty_kind=first.uncertainty_kind,
-        parameter_uncertainties=measurement.parameter_uncertainties,
         turning=measurement.turning,
     )
 

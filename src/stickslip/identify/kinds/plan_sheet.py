@@ -5,12 +5,26 @@ import html
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
+from stickslip.data import Measurement
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
+from stickslip.identify import BandVerdict, Verdict
 from stickslip.identify.fits import Estimate
+from stickslip.identify.judgement import Judgement
 from stickslip.identify.kinds.travels import unit_of, words_of
+from stickslip.identify.ladder import readings_sentence
+from stickslip.identify.problems.tables import TableProblem
+from stickslip.identify.selection import (
+    foreseen_widths,
+    further_readings,
+    settings_of,
+    with_readings,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters
 from stickslip.show.described import Described
@@ -21,6 +35,7 @@ from stickslip.show.formatting import (
     fixed,
     joined,
     number,
+    percent,
     quantity,
     significant,
 )
@@ -46,6 +61,9 @@ from stickslip.show.report import (
 if TYPE_CHECKING:
     import pandas as pd
 
+NUMBER = Quantity("n", low=1, high=300)
+"""Readings that a plan may have."""
+HALF_WIDTH = 0.5
 TRAVEL_COLUMN = "travel [mm]"
 """Column of the table of runs that is filled in."""
 BLOCK = 6
@@ -292,6 +310,116 @@ class Plan(Tabular):
     def _repr_html_(self) -> str:
         table = self.to_dataframe().to_html(index=False, na_rep="", border=0)
         return f"<p>{html.escape(self.sentence)}</p>{table}"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FurtherPlan(Tabular):
+    """What to measure beside what was measured, and what it is expected to tell."""
+
+    verdict: Verdict
+    """What is known now."""
+    lines: tuple[str, ...]
+    """What to measure, and what is expected of it, in sentences."""
+    readings: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Of a table: velocities, loads and inputs (n,) [SI] in the order in which to read friction."""
+    widths: tuple[float, ...] = ()
+    """Widths of the band after them over that of now: quantiles of 10, 50 and 90 %."""
+    chance: float | None = None
+    """Probability that the band is halved, or that one law is left."""
+    sheet: Measurement | None = None
+    """Readings that were made and, last, those to make; of several trials these alone."""
+
+    @property
+    def sentence(self) -> str:
+        """What to measure, and what is expected of it."""
+        return " ".join(self.lines) or "No further measurement is proposed."
+
+    def csv(self) -> str:
+        """Return the table to fill in, as `load_measurement` reads it; empty if not of a table."""
+        if self.sheet is None:
+            return ""
+        table = self.sheet.to_dataframe()
+        table.iloc[-len(self.readings["velocity"]) :, table.columns.str.startswith("friction")] = (
+            math.nan
+        )
+        return str(table.to_csv(index=False, lineterminator="\n"))
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the readings to make as a pandas DataFrame [SI]."""
+        import pandas as pd
+
+        return pd.DataFrame(self.readings)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the plan as plain numbers and strings, ready for JSON."""
+        return {
+            "plan": self.sentence.replace("$", ""),
+            "readings": {name: list(x) for name, x in self.readings.items()},
+            "band_shrinks_to": list(self.widths),
+            "halves_or_decides": self.chance,
+            "sheet": self.csv(),
+        }
+
+    def __repr__(self) -> str:
+        return f"<FurtherPlan: {self.sentence}>"
+
+
+def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
+    """Return what to measure next by a verdict: of a table, so many readings or fewer.
+
+    Readings are no more than were made if no number is given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Axis, Measurement, select
+    >>> v = np.linspace(0.1, 1.0, 10)
+    >>> noise = 0.05 * np.random.default_rng(1).normal(size=10)
+    >>> table = Measurement(velocity=v, friction=2.0 + 0.5 * v + noise)
+    >>> further = further_plan(select(Axis(inertia=1.0), None, table), 4)
+    >>> len(further.readings["velocity"]), further.csv().splitlines()[0]
+    (4, 'velocity [m/s],friction [N]')
+    """
+    judgement = getattr(verdict, "judgement", None)
+    problem = judgement.problem if isinstance(judgement, Judgement) else None
+    if not isinstance(problem, TableProblem):
+        if readings is not None:
+            raise InputError(
+                "readings is a number of readings of a table of friction, or of runs to rest, and"
+                " this measurement is neither: leave it out."
+            )
+        return FurtherPlan(verdict=verdict, lines=tuple(verdict.words.measure_next))
+    if readings is not None:
+        readings = int(NUMBER.check("plan", "readings", readings))
+    assert isinstance(judgement, Judgement)
+    assert isinstance(verdict, BandVerdict)
+    proposal, rows = further_readings(judgement, readings)
+    given = settings_of(problem, rows)
+    said = readings_sentence(proposal, **given, measurement=verdict.measurement)
+    if not proposal.places:
+        return FurtherPlan(verdict=verdict, lines=(said,))
+    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
+    rows = replace(rows, velocity=_rounded(rows.velocity), load=_rounded(rows.load),
+                   inputs={name: _rounded(x) for name, x in rows.inputs.items()})  # fmt: skip
+    widths, alone = foreseen_widths(judgement, rows)
+    low, middle, high = np.quantile(widths, (0.1, 0.5, 0.9)).tolist()
+    chance = float(np.mean((widths <= HALF_WIDTH) | alone))
+    likely = (
+        f"With a probability of 80 % it comes to {percent(low)} to {percent(high)}, and with"
+        f" {percent(round(chance, 2))} it halves or one law is left. Make the readings in the order"
+        " of the table, which is random."
+    )
+    given = settings_of(problem, rows)
+    return FurtherPlan(
+        verdict=verdict, lines=(said, likely), widths=(low, middle, high), chance=chance,
+        readings={"velocity": given["places"], **given["conditions"]},
+        sheet=with_readings(verdict.measurement, rows),
+    )  # fmt: skip
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Return values (n,) as somebody sets them."""
+    return np.array([float(f"{x:.3g}") for x in values])
 
 
 def plan_sections(plan: Plan) -> tuple[Section, ...]:

@@ -55,9 +55,11 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.plan_sheet import (
+    FurtherPlan,
     Plan,
     Preparation,
     Separation,
+    further_plan,
     setting_text,
     values_text,
 )
@@ -70,6 +72,7 @@ from stickslip.identify.kinds.travels import (
     unit_of,
     words_of,
 )
+from stickslip.identify.kinds.verbs import RouteName, select
 from stickslip.identify.problems.travel_laws import STEPS, room_for
 from stickslip.identify.problems.travels import OFFSET, block_scores
 from stickslip.identify.propose import within_band
@@ -223,8 +226,16 @@ def plan(
     settings: int = 4,
     uncertainty: float | None = None,
     t_end: float = 10.0,
-) -> Plan:
-    """Plan travels that tell friction laws apart and fix their parameters.
+    readings: int | None = None,
+    vary: str | Sequence[str] | None = None,
+    route: RouteName | None = None,
+) -> Plan | FurtherPlan:
+    """Plan what to measure: travels before any is, or what narrows most what a verdict leaves open.
+
+    Of what was measured, other than travels to rest, it is what `select` proposes to measure next:
+    of tables readings at velocities, loads and inputs with the width to which they may bring the
+    band, else a further record, motion or setting. The rest is of travels, which are to tell
+    friction laws apart and fix their parameters.
 
     The band of the travel over the settings and all laws is that of `select`: where it is
     widest, a reading narrows it most. What the runs will tell is what `select` makes of the travels
@@ -257,11 +268,16 @@ def plan(
         between 1e-5 of the longest travel, to which runs are exact, and all of it.
     t_end : float
         Time after which a body counts as stopped [s].
+    readings : int, optional
+        Readings of a table, or runs to rest, at most; if not given, no more than a table has.
+    vary, route : optional
+        As `select` takes them, of records.
 
     Returns
     -------
-    Plan
-        Settings, repeats, what to measure before and how well, and what the runs will tell.
+    Plan or FurtherPlan
+        Settings, repeats, what to measure before and how well, and what the runs will tell; or
+        readings to make, and what is expected of them.
 
     Raises
     ------
@@ -280,6 +296,8 @@ def plan(
     >>> sheet.csv().splitlines()[:2]
     ['name,mechanism.compression [mm],travel [mm]', 'run 1,40,']
     """
+    if measurement is not None and is_further(mechanism, measurement):
+        return further_plan(select(mechanism, laws, measurement, vary=vary, route=route), readings)
     count = int(COUNT.check("plan", "settings", settings))
     if uncertainty is not None:
         uncertainty = READING.check("plan", "uncertainty", uncertainty)
@@ -313,6 +331,7 @@ def plan(
     )  # fmt: skip
     tellings = bench.tellings()
     repeats = max(LEAST, *(many or 0 for many in tellings.values()), 0)
+    repeats = min(repeats, max((readings or MOST * count) // len(places), 1))
     band = band_of(now.travels(places))
     expectations = {name: bench.estimates(name, repeats) for name in kept}
     halves = [bench.half_widths(name, repeats)[-len(places) :] for name in kept]
@@ -551,6 +570,19 @@ class _Bench:
             )  # fmt: skip
             result.append(made)
         return tuple(result)
+
+
+def is_further(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Return whether `select` says what to measure beside a measurement: it is no travel to rest.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> is_further(rig, Measurement(travel=0.2))
+    False
+    """
+    return driven_on(mechanism) or not measurement.records()[0].travelled
 
 
 def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
