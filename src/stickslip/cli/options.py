@@ -628,8 +628,7 @@ class PlanOptions(RigOptions, DataOptions, WriteOptions):
     """Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm; default: that of
     the rig's trials, or 2 % of the longest travel."""
     output: Output = None
-    """Lab sheet of travels to print (HTML), with its table beside it as CSV; of a table of friction
-    that CSV alone. Both are to be filled in."""
+    """Table of the readings to make, to fill in (CSV); `stickslip select --data` reads it."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -169,37 +169,33 @@ def rehearsed(
     """
     rng, mass = np.random.default_rng(5), np.array([item[0] for item in laws])
     mass /= mass.sum()
-    drawn = [
-        laws[k][2][rng.integers(len(laws[k][2]))] for k in rng.choice(len(laws), COUNTED, p=mass)
-    ]
-    read = np.array(drawn) + rng.multivariate_normal(np.zeros(len(errors)), errors, COUNTED)
-    logs, means, variances, today = [], [], [], []
+    truths = rng.choice(len(laws), COUNTED, p=mass)
+    drawn = np.array([laws[k][2][rng.integers(len(laws[k][2]))] for k in truths])
+    read = drawn + rng.multivariate_normal(np.zeros(len(errors)), errors, COUNTED)
+    logs, known = list[Array](), list[tuple[Array, Array, Array, Array]]()
     for share, x, y in laws:
-        both = np.cov(np.hstack([x, y]).T).reshape(-1, x.shape[1] + y.shape[1])
-        cross, own = both[x.shape[1] :, : x.shape[1]], both[x.shape[1] :, x.shape[1] :] + errors
-        off = read - y.mean(axis=0)
-        less, scores = np.linalg.solve(own, cross), np.linalg.solve(own, off.T).T
-        logs.append(math.log(share + 1e-300) - 0.5 * np.linalg.slogdet(own)[1]
-                    - 0.5 * np.sum(off * scores, axis=1))  # fmt: skip
-        means.append(x.mean(axis=0) + off @ less)
-        today.append((x.mean(axis=0), x.var(axis=0)))
-        variances.append(np.maximum(x.var(axis=0) - np.sum(cross * less, axis=0), 0.0))
-    log = np.array(logs)
-    weights = np.exp(log - log.max(axis=0))
+        n, middle, off = x.shape[1], x.mean(axis=0), read - y.mean(axis=0)
+        covariance = np.cov(np.hstack([x, y]).T)
+        own, cross = covariance[n:, n:].reshape(len(errors), -1) + errors, covariance[n:, :n]
+        less, before = np.linalg.solve(own, cross), np.diag(covariance)[:n]
+        score = np.sum(off * np.linalg.solve(own, off.T).T, axis=1) + np.linalg.slogdet(own)[1]
+        logs.append(math.log(share + 1e-300) - 0.5 * score)
+        after = np.maximum(before - np.sum(cross * less, axis=0), 0.0)
+        known.append((middle[None], before[None], middle + off @ less, after[None]))
+    weights = np.exp(np.array(logs) - np.max(logs, axis=0))
     weights /= weights.sum(axis=0)
 
     def width(shares: Array, middles: Array, own: Array) -> Array:
-        """Return the mean standard deviation (k,) of what is asked of several laws."""
+        """Return the mean standard deviation (k,) of what is asked, over several laws."""
         middle = np.einsum("lk,lkn->kn", shares, middles)
         spread = np.einsum("lk,lkn->kn", shares, own + (middles - middle) ** 2)
         return np.asarray(np.mean(np.sqrt(spread + rest), axis=1))
 
-    now, around = (np.array(item)[:, None] for item in zip(*today, strict=True))
-    before = width(mass[:, None], now, around)
-    after = width(weights, np.array(means), np.array(variances)[:, None])
-    ordered = np.sort(weights[:-1], axis=0)
-    alone = ordered[-1] >= odds * (ordered[-2] if len(ordered) > 1 else 0.0)
-    return after / before * np.exp(doubt * rng.normal(size=COUNTED)), np.asarray(alone)
+    first, spread, then, left = (np.array(item) for item in zip(*known, strict=True))
+    widths = width(weights, then, left) / width(mass[:, None], first, spread)
+    ordered = np.sort(np.vstack([np.zeros(COUNTED), weights[:-1]]), axis=0)
+    alone = np.asarray(ordered[-1] >= odds * ordered[-2])
+    return widths * np.exp(doubt * rng.normal(size=COUNTED)), alone
 
 
 def width_after(points: Array, seen: Sequence[Array]) -> float:

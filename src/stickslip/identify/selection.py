@@ -44,6 +44,7 @@ from stickslip.identify.problems.table_model import Rows
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import (
+    HALF,
     MOST,
     WORTH,
     Proposal,
@@ -180,27 +181,21 @@ def further_readings(judgement: Judgement, count: int | None = None) -> tuple[Pr
     assert isinstance(problem, TableProblem)
     rows, grown, steady, rest = _wanted(judgement)
     offered = problem.offered()
-    n = len(offered.velocity)
     noise, shared = problem.errors(offered)
+    fold = len(rows.velocity) // len(noise)
     proposal = propose(
-        steady / grown,
-        steady,
-        np.tile(noise, len(rows.velocity) // n),
+        steady / grown, steady, np.tile(noise, fold),
         min(MOST, problem.table.total) if count is None else count,
-        rest,
-        shared=np.tile(shared, (len(rows.velocity) // n,) * 2),
-        **({} if count is None else {"enough": 0.0}),
-    )
-    return proposal, offered.where(np.array(proposal.places, dtype=np.intp) % n)
+        rest, HALF if count is None else 0.0, np.tile(shared, (fold, fold)),
+    )  # fmt: skip
+    return proposal, offered.where(np.array(proposal.places, dtype=np.intp) % len(noise))
 
 
 def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
     """Return velocities of rows, and loads and inputs where these differ, as a verdict has them."""
-    conditions = ({LOAD: rows.load} if problem.model.frame.loaded else {}) | {**rows.inputs}
-    return {
-        "places": tuple(rows.velocity.tolist()),
-        "conditions": {name: tuple(x.tolist()) for name, x in conditions.items()},
-    }
+    loads = {LOAD: rows.load} if problem.model.frame.loaded else {}
+    conditions = {name: tuple(x.tolist()) for name, x in (loads | {**rows.inputs}).items()}
+    return {"places": tuple(rows.velocity.tolist()), "conditions": conditions}
 
 
 def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
@@ -219,8 +214,10 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
     return Measurement(
         **{name: longer(first.values(name), x) for name, x in new.items()},
         inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
-        turning=measurement.turning,
-    )
+        uncertainty={name: longer(x, np.full(len(rows.velocity), np.median(x)))
+                     for name, x in first.uncertainty.items() if name in new},
+        uncertainty_kind=first.uncertainty_kind, turning=measurement.turning,
+    )  # fmt: skip
 
 
 def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, Array]:
@@ -233,26 +230,22 @@ def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, Array]:
     posterior, model, taken = problem.posterior, problem.model, len(rows.velocity)
     asked, grown, _, rest = _wanted(judgement)
     noise, shared = problem.errors(rows)
-    far = [model.unexplained(item) > judgement.tolerance * problem.size for item in posterior.nodes]
-    is_far = np.broadcast_to(np.array(far)[:, None], posterior.weights.shape)
+    far = np.array([model.unexplained(x) for x in posterior.nodes])[:, None]
+    far = far > judgement.tolerance * problem.size
+    is_far = np.broadcast_to(far if far.any() else ~far, posterior.weights.shape)
     least = LEAST * max(rung.adequate for rung in judgement.rungs)
-    laws = [(x.adequate, problem.holds(x.family) & ~is_far) for x in judgement.rungs]
-    laws = [item for item in laws if item[0] > least]
-    laws.append((float(posterior.weights[is_far].sum()), is_far if any(far) else ~is_far))
-    drawn = [(mass, posterior.draws(EACH, seed=1, only=only)) for mass, only in laws]
-    midway = replace(rows, order=np.full(taken, 0.5))
-    every = [
-        (mass, *(within_band(problem.steady(at, x)) for at in (asked, midway))) for mass, x in drawn
-    ]
-    weights = posterior.weights.sum(axis=1)
-    sizes = np.log([model.sigma(node) for node in posterior.nodes])
-    doubt = np.sqrt(
-        weights @ (sizes - weights @ sizes) ** 2 * taken / (taken + problem.table.total)
-    )
-    errors = np.diag(noise**2) + shared
-    return rehearsed(
-        [(mass, x / grown, read) for mass, x, read in every], errors, rest, float(doubt), RIVAL
-    )
+    laws = [(x.adequate, problem.holds(x.family) & ~far)
+            for x in judgement.rungs if x.adequate > least]  # fmt: skip
+    laws.append((float(posterior.weights[far[:, 0]].sum()), is_far))
+    midway, every = replace(rows, order=np.full(taken, 0.5)), []
+    for mass, only in laws:
+        draws = posterior.draws(EACH, seed=1, only=only)
+        wanted, read = (within_band(problem.steady(at, draws)) for at in (asked, midway))
+        every.append((mass, wanted / grown, read))
+    sizes, weights = np.log([*map(model.sigma, posterior.nodes)]), posterior.weights.sum(axis=1)
+    told = taken / (taken + problem.table.total)
+    doubt = math.sqrt(told * float(weights @ (sizes - weights @ sizes) ** 2))
+    return rehearsed(every, np.diag(noise**2) + shared, rest, doubt, RIVAL)
 
 
 def _foreseen_readings(

@@ -12,7 +12,6 @@ from stickslip.identify.kinds.plan_sheet import FurtherPlan as FurtherPlan
 from stickslip.identify.kinds.plan_sheet import Plan as Plan
 from stickslip.identify.kinds.plan_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.identify.kinds.plan_sheet import further_plan as further_plan
-from stickslip.identify.kinds.plan_sheet import plan_page as plan_page
 from stickslip.identify.kinds.plan_sheet import plan_sections as plan_sections
 from stickslip.identify.kinds.registry import AnyKind as AnyKind
 from stickslip.identify.kinds.registry import as_judged as as_judged
