@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtri, ndtr
 
 from stickslip.identify.bands import LEVEL
@@ -149,7 +150,7 @@ def rehearsed(
     rest: Array,
     doubt: float,
     odds: float,
-) -> tuple[Array, Array]:
+) -> tuple[Array, NDArray[np.bool_]]:
     r"""Return widths (k,) to which readings may come, and whether they leave one law (k,).
 
     Of each law there is its mass, and what is asked (d, n) and read (d, m) in its draws; the last

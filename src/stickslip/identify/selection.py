@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.data import (
     Checks,
@@ -201,18 +202,19 @@ def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
 def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
     """Return a table with rows to fill in, whose friction is 0 so far; of trials as another one."""
     first, *others = measurement.records()
-    new: dict[str, Array] = {"velocity": rows.velocity, "friction": 0.0 * rows.velocity}
+    new: dict[str, Any] = {"velocity": rows.velocity, "friction": 0.0 * rows.velocity}
     new |= {} if first.load is None else {LOAD: rows.load}
     inputs = {name: rows.inputs[name] for name in first.inputs if name in rows.inputs}
     if others:
         return Measurement(**new, inputs=inputs, turning=measurement.turning)
-    shape = np.shape(first.friction)
+    shape = np.shape(first.values("friction"))
 
     def longer(own: Any, more: Array) -> Array:
         return np.append(np.broadcast_to(own, shape), more)
 
+    new = {name: longer(first.values(name), x) for name, x in new.items()}
     return Measurement(
-        **{name: longer(first.values(name), x) for name, x in new.items()},
+        **new,
         inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
         uncertainty={name: longer(x, np.full(len(rows.velocity), np.median(x)))
                      for name, x in first.uncertainty.items() if name in new},
@@ -220,10 +222,11 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
     )  # fmt: skip
 
 
-def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, Array]:
+def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[np.bool_]"]:
     """Return to which widths of the band readings at rows may come, and whether they leave one law.
 
-    Widths (k,) over that of now. Laws are those of a thousandth of the likeliest's mass.
+    Widths (k,) over that of now; laws (k,) that are one already are not left by them. Laws are
+    those of a thousandth of the likeliest's mass.
     """
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
@@ -242,10 +245,12 @@ def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, Array]:
         draws = posterior.draws(EACH, seed=1, only=only)
         wanted, read = (within_band(problem.steady(at, draws)) for at in (asked, midway))
         every.append((mass, wanted / grown, read))
-    sizes, weights = np.log([*map(model.sigma, posterior.nodes)]), posterior.weights.sum(axis=1)
+    sizes = np.hypot([*map(model.sigma, posterior.nodes)], np.median(problem.table.stated))
+    sizes, weights = np.log(sizes), posterior.weights.sum(axis=1)
     told = taken / (taken + problem.table.total)
     doubt = math.sqrt(told * float(weights @ (sizes - weights @ sizes) ** 2))
-    return rehearsed(every, np.diag(noise**2) + shared, rest, doubt, RIVAL)
+    widths, alone = rehearsed(every, np.diag(noise**2) + shared, rest, doubt, RIVAL)
+    return widths, alone & (len(judgement.set) > 1)
 
 
 def _foreseen_readings(

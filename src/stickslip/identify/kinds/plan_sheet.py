@@ -310,8 +310,8 @@ class FurtherPlan(metaclass=Described):
         if self.sheet is None:
             return ""
         table = self.sheet.to_dataframe()
-        empty = table.columns.str.startswith("friction [")
-        table.iloc[-len(self.readings["velocity"]) :, empty] = math.nan
+        empty = [name for name in table.columns if name.startswith("friction [")]
+        table.loc[table.index[-len(self.readings["velocity"]) :], empty] = math.nan
         return str(table.to_csv(index=False, lineterminator="\n"))
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -357,15 +357,16 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
     if not proposal.places:
         return FurtherPlan(verdict=verdict, lines=(said,))
     rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
-    speed = np.array([float(f"{x:.3g}") for x in rows.velocity])  # as somebody sets it
-    rows = replace(rows, velocity=speed)
+    shown = np.vectorize(lambda x: float(f"{x:.3g}"))  # as somebody sets it
+    rows = replace(rows, velocity=shown(rows.velocity), load=shown(rows.load),
+                   inputs={name: shown(x) for name, x in rows.inputs.items()})  # fmt: skip
     widths, alone = foreseen_widths(verdict.judgement, rows)
     low, middle, high = np.quantile(widths, (0.1, 0.5, 0.9)).tolist()
     chance = float(np.mean((2.0 * widths <= 1.0) | alone))
     likely = (
         f"With a probability of 80 % it comes to {percent(low)} to {percent(high)}, and with"
-        f" {percent(round(chance, 2))} it halves or one law is left. Make the readings in the order"
-        " of the table, which is random."
+        f" {percent(round(chance, 2))} it halves{' or one law is left' * (len(verdict.set) > 1)}."
+        " Make the readings in the order of the table, which is random."
     )
     given = settings_of(problem, rows)
     return FurtherPlan(
