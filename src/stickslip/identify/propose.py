@@ -199,23 +199,25 @@ def rehearsed(
     return widths * np.exp(doubt * rng.normal(size=COUNTED)), alone
 
 
-def width_after(points: Array, seen: Sequence[Array]) -> float:
+def width_after(points: Array, seen: Sequence[Array], shares: Sequence[float]) -> float:
     """Return the expected width of what is asked after a record is made, over today's.
 
-    Asked is which of several laws holds or, of one alone, its parameters in draws (k, p). In draws
-    of each law the record shows rows (k, r), over their noise and with it: what is seen are the
-    `DIRECTIONS` in which they differ most, and their squares, as laws may differ by the scatter of
-    what they show.
+    Asked is which of several laws, with probabilities in proportion to `shares`, holds or, of one
+    alone, its parameters in draws (k, p). In draws of each law the record shows rows (k, r), over
+    their noise and with it: what is seen are the `DIRECTIONS` in which they differ most, and their
+    squares, as laws may differ by the scatter of what they show.
 
     Examples
     --------
     >>> rng = np.random.default_rng(0)
     >>> a, b = rng.normal(size=(2, 400, 1))
-    >>> round(width_after(a, [a + b]), 1)  # sqrt(1/2)
+    >>> round(width_after(a, [a + b], [1.0]), 1)  # sqrt(1/2)
     0.7
-    >>> width_after(a, [a, b + 9.0]) < 0.3  # rows tell the laws apart
+    >>> width_after(a, [a, b + 9.0], [0.5, 0.5]) < 0.3  # rows tell the laws apart
     True
     """
+    top = max(shares)
+    seen = [x[:: max(round(top / share), 1)] for x, share in zip(seen, shares, strict=True)]
     rows = np.concatenate(seen)
     law = np.repeat(np.arange(len(seen)), [len(item) for item in seen])
     asked = points if len(seen) == 1 else (law[:, None] == np.arange(1, len(seen))).astype(float)

@@ -349,17 +349,16 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
                 " this measurement is neither: leave it out."
             )
         return FurtherPlan(verdict=verdict, lines=tuple(verdict.words.measure_next))
-    if readings is not None:
-        readings = int(NUMBER.check("plan", "readings", readings))
-    proposal, rows = further_readings(verdict.judgement, readings)
+    many = None if readings is None else int(NUMBER.check("plan", "readings", readings))
+    proposal, rows = further_readings(verdict.judgement, many)
+    shown = np.vectorize(lambda x: float(f"{x:.3g}"), otypes=[float])  # as somebody sets it
+    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
+    rows = replace(rows, velocity=shown(rows.velocity), load=shown(rows.load),
+                   inputs={name: shown(x) for name, x in rows.inputs.items()})  # fmt: skip
     given = settings_of(problem, rows)
     said = readings_sentence(proposal, **given, measurement=verdict.measurement)
     if not proposal.places:
         return FurtherPlan(verdict=verdict, lines=(said,))
-    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
-    shown = np.vectorize(lambda x: float(f"{x:.3g}"))  # as somebody sets it
-    rows = replace(rows, velocity=shown(rows.velocity), load=shown(rows.load),
-                   inputs={name: shown(x) for name, x in rows.inputs.items()})  # fmt: skip
     widths, alone = foreseen_widths(verdict.judgement, rows)
     low, middle, high = np.quantile(widths, (0.1, 0.5, 0.9)).tolist()
     chance = float(np.mean((2.0 * widths <= 1.0) | alone))
@@ -368,7 +367,6 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
         f" {percent(round(chance, 2))} it halves{' or one law is left' * (len(verdict.set) > 1)}."
         " Make the readings in the order of the table, which is random."
     )
-    given = settings_of(problem, rows)
     return FurtherPlan(
         verdict=verdict, lines=(said, likely), widths=(low, middle, high), chance=chance,
         readings={"velocity": given["places"], **given["conditions"]},

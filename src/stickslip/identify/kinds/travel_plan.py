@@ -227,8 +227,9 @@ def plan(
     now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
     remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
     asked_knob = all_paths(mechanism, "mechanism")[knob]
-    unit = asked_knob.unit
-    places = np.array([rounded_setting(item, unit) for item in np.linspace(*ends, count)])
+    places = np.array(
+        [rounded_setting(item, asked_knob.unit) for item in np.linspace(*ends, count)]
+    )
     typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
     kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
     named = _first(kept)
@@ -244,11 +245,10 @@ def plan(
     repeats = min(repeats, max((readings or MOST * count) // len(places), 1))
     band = band_of(now.travels(places))
     expectations = {name: bench.estimates(name, repeats) for name in kept}
-    halves = [bench.half_widths(name, repeats)[-len(places) :] for name in kept]
-    expected = np.max(halves, axis=0)
+    expected = np.max([bench.half_widths(x, repeats)[-len(places) :] for x in kept], axis=0)
     rows = tuple(
         Separation(
-            path=knob, symbol=asked_knob.symbol, unit=unit, value=float(place),
+            path=knob, symbol=asked_knob.symbol, unit=asked_knob.unit, value=float(place),
             predicted={name: float(travel[i]) for name, travel in travels.items()},
             low=float(band.low[i]), high=float(band.high[i]), expected=float(expected[i]),
         )
