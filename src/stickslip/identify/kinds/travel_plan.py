@@ -226,10 +226,8 @@ def plan(
     trials = done or (_assumed(mechanism, start, t_end, error),)
     now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
     remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
-    asked_knob = all_paths(mechanism, "mechanism")[knob]
-    places = np.array(
-        [rounded_setting(item, asked_knob.unit) for item in np.linspace(*ends, count)]
-    )
+    turned = all_paths(mechanism, "mechanism")[knob]
+    places = np.array([rounded_setting(x, turned.unit) for x in np.linspace(*ends, count)])
     typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
     kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
     named = _first(kept)
@@ -248,7 +246,7 @@ def plan(
     expected = np.max([bench.half_widths(x, repeats)[-len(places) :] for x in kept], axis=0)
     rows = tuple(
         Separation(
-            path=knob, symbol=asked_knob.symbol, unit=asked_knob.unit, value=float(place),
+            path=knob, symbol=turned.symbol, unit=turned.unit, value=float(place),
             predicted={name: float(travel[i]) for name, travel in travels.items()},
             low=float(band.low[i]), high=float(band.high[i]), expected=float(expected[i]),
         )
