@@ -54,7 +54,7 @@ def test_the_table_to_fill_in_has_what_was_read_and_lacks_what_is_to_be(loaded):
 
 def test_trials_get_a_trial_of_their_own():
     trials = tuple(
-        Measurement(velocity=SPEEDS[:6], friction=noisy(2.0 + k + 3.0 * SPEEDS[:6], k), name=f"{k}")
+        Measurement(velocity=SPEEDS[:6], friction=noisy(2.0 + 3.0 * SPEEDS[:6], k), name=f"{k}")
         for k in range(3)
     )
     further = plan(AXIS, None, Measurement(trials=trials), readings=5)

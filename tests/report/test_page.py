@@ -108,6 +108,10 @@ def everything(extra: str = "") -> report.Page:
             columns=(report.Column(head=f"h {extra}"), report.Column(head="travel, m")),
             rows=(report.Row(cells=(f"r {extra}", ring)),),
         ),
+        report.Table(
+            columns=(report.Column(head="run"), report.Column(head="travel, mm")),
+            rows=(report.Row(cells=("run 1", f"travel {extra}")),),
+        ),
         report.Caption(text=f"Caption {extra}"),
         report.Columns(
             left=(report.Subheading(text="What moves together"),),

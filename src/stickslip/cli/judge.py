@@ -317,8 +317,9 @@ def run_plan(options: PlanOptions) -> None:
         result = kinds.further_plan(_selected(*further), options.readings)
     else:
         _refuse_filled_in(files)
-        setting = kinds.setting_of(rig.mechanism, travels, rig.t_end)
-        between = _between(setting, rig, options.between)
+        between = _between(
+            kinds.setting_of(rig.mechanism, travels, rig.t_end), rig, options.between
+        )
         if not options.as_json:
             terminal.note("Simulating the predictions of the laws ...")
         result = kinds.plan(
@@ -332,13 +333,12 @@ def run_plan(options: PlanOptions) -> None:
             t_end=rig.t_end,
             readings=options.readings,
         )
+    files = files if result.csv() else []  # there may be nothing worth reading
     for file in files:
         documents.write_files({file: result.csv()})
     if options.as_json:
-        head = {"rig": rig.heading, "digest": rig.digest}
-        terminal.print_json(
-            documents.document("plan", {**head, **result.to_dict(), "files": [*map(str, files)]})
-        )
+        content = {"rig": rig.heading, "digest": rig.digest, **result.to_dict()}
+        terminal.print_json(documents.document("plan", content | {"files": [*map(str, files)]}))
         return
     _show_plan(result)
     if files:
