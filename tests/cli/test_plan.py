@@ -59,10 +59,8 @@ def test_one_json_document_is_printed(run, folder):
 @pytest.mark.slow
 def test_a_filled_sheet_is_read_by_select(run, folder):
     """Travels of Coulomb friction with mu_k = 0.21, read to 1 mm: the verdict and its interval."""
-    code, *_ = run("plan", "rig.toml", *LAWS, "-o", "sheet.html")
+    code, *_ = run("plan", "rig.toml", *LAWS, "-o", "sheet.csv")
     assert code == 0
-    page = (folder / "sheet.html").read_text()
-    assert "stickslip select rig.toml --data sheet.csv" in page
     head, *rows = (folder / "sheet.csv").read_text().splitlines()
     draw = np.random.default_rng(5)
     filled = [head]
@@ -87,7 +85,7 @@ def test_a_filled_sheet_is_read_by_select(run, folder):
 
 
 def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
-    run("plan", "rig.toml", "--law", "coulomb", "-o", "sheet.html")
+    run("plan", "rig.toml", "--law", "coulomb", "-o", "sheet.csv")
     code, _, err = run("select", "rig.toml", "--data", "sheet.csv")
     assert code == 2
     assert "column 'travel [mm]', line 2: must be a finite number, got nothing" in err
@@ -96,7 +94,7 @@ def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("-o", "sheet.pdf"), "must be an .html file"),
+        (("-o", "sheet.pdf"), "written as a .csv file"),
         (("--between", "50mm"), "--between takes LOW..HIGH"),
         (("--between", "50kg..80kg"), "--between .*must be in m"),
         (("--uncertainty", "2 kg"), "--uncertainty .*must be in m"),
@@ -113,7 +111,7 @@ def test_a_wrong_option_is_named(run, folder, options, said):
 
 def test_a_sheet_is_not_overwritten(run, folder):
     (folder / "sheet.csv").write_text("mine")
-    code, _, err = run("plan", "rig.toml", "-o", "sheet.html")
+    code, _, err = run("plan", "rig.toml", "-o", "sheet.csv")
     assert code == 2
     assert "sheet.csv already exists" in err
 
@@ -142,18 +140,15 @@ def test_settings_of_trials_give_the_range(run, folder):
 def test_a_cart_is_refused_before_anything_runs_and_pointed_to_what_is_for_it(run, folder):
     cart = (Path(__file__).parents[2] / "docs/howto/files/pendulum-cart.toml").read_text()
     (folder / "cart.toml").write_text(cart)
-    travelled = '\n[[trial]]\ntravel_per_cycle = "48 mm"\n'
-    (folder / "measured.toml").write_text(cart + travelled)
-    said = [run("plan", name) for name in ("cart.toml", "measured.toml")]
-    assert {code for code, _, _ in said} == {2}
-    assert "Simulating" not in said[0][2]
-    assert "docs/howto/fit-cart.md" in said[0][2]
-    assert said[0] == said[1]
+    code, _, err = run("plan", "cart.toml")
+    assert code == 2
+    assert "Simulating" not in err
+    assert "docs/howto/fit-cart.md" in err
 
 
 @pytest.mark.slow
 def test_a_table_with_measured_travels_is_never_replaced(folder, run):
-    asked = ("plan", "rig.toml", "--law", "coulomb,viscous", "-o", "sheet.html")
+    asked = ("plan", "rig.toml", "--law", "coulomb,viscous", "-o", "sheet.csv")
     assert run(*asked)[0] == 0
     table = Path("sheet.csv")
     assert run(*asked, "--force")[0] == 0
@@ -162,3 +157,49 @@ def test_a_table_with_measured_travels_is_never_replaced(folder, run):
     code, _, err = run(*asked, "--force")
     assert (code, "sheet.csv is no empty table of a lab sheet" in err) == (2, True)
     assert table.read_text() == filled
+
+
+AXIS = '[mechanism]\ntype = "axis"\ninertia = "1 kg"\n'
+SPEEDS = np.linspace(0.02, 0.4, 12)
+
+
+@pytest.fixture
+def table(folder):
+    """Write a table of Stribeck friction with 3 % of noise, and the rig file of an axis."""
+    (folder / "axis.toml").write_text(AXIS)
+    random = np.random.default_rng(2)
+    friction = 2.0 + 1.5 * np.exp(-((SPEEDS / 0.08) ** 2)) + 1.2 * SPEEDS
+    friction *= 1.0 + 0.03 * random.normal(size=12)
+    rows = [f"{v:.4f},{f:.4f}" for v, f in zip(SPEEDS, friction, strict=True)]
+    (folder / "table.csv").write_text("\n".join(["velocity [m/s],friction [N]", *rows]) + "\n")
+
+
+def test_readings_of_a_table_are_planned_filled_in_and_selected(run, folder, table):
+    asked = ("axis.toml", "--data", "table.csv", "--readings", "6", "-o", "next.csv", "--json")
+    code, out, err = run("plan", *asked)
+    assert code == 0, err
+    content = json.loads(out)
+    speeds = content["readings"]["velocity"]
+    assert len(speeds) == 6
+    assert 0.0199 < min(speeds) <= max(speeds) < 0.401
+    low, middle, high = content["band_shrinks_to"]
+    assert low < middle < high < 1.2
+    assert 0.0 <= content["halves_or_decides"] < 0.5
+    head, *rows = (folder / "next.csv").read_text().splitlines()
+    assert (head, len(rows)) == ("velocity [m/s],friction [N]", 18)
+    assert rows[12:] == [f"{v:g}," for v in speeds]
+    filled = [row + "2.3" * row.endswith(",") for row in rows]
+    (folder / "next.csv").write_text("\n".join([head, *filled]) + "\n")
+    assert run("check", "axis.toml", "--data", "next.csv")[0] == 0
+
+
+def test_no_more_readings_of_a_table_are_planned_than_were_made(run, table):
+    code, out, _ = run("plan", "axis.toml", "--data", "table.csv", "--json")
+    assert code == 0
+    assert 0 < len(json.loads(out)["readings"]["velocity"]) <= 12
+
+
+def test_a_number_of_readings_that_nobody_makes_is_refused(run, table):
+    code, _, err = run("plan", "axis.toml", "--data", "table.csv", "--readings", "5000")
+    assert code == 2
+    assert "at least 1 and at most 300, got 5000" in err

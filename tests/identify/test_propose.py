@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip.identify.propose import propose, width_after, widths_of_another
+from stickslip.identify.propose import propose, rehearsed, width_after, widths_of_another
 
 
 @given(seed=st.integers(0, 10_000), count=st.integers(1, 12), laws=st.integers(1, 3))
@@ -13,11 +13,45 @@ def test_rows_of_noise_alone_are_not_expected_to_reduce_anything(seed, count, la
     random = np.random.default_rng(seed)
     points = random.normal(size=(150, 2))
     widths = [
-        width_after(points, [random.normal(size=(150, count)) for _ in range(laws)])
+        width_after(points, [random.normal(size=(150, count)) for _ in range(laws)], [1.0] * laws)
         for _ in range(8)
     ]
     assert np.mean(widths) > 0.97
     assert max(widths) <= 1.0
+
+
+def test_laws_that_are_hardly_probable_leave_less_to_be_told():
+    random = np.random.default_rng(1)
+    one, other = random.normal(size=(2, 400, 1))
+    alike = width_after(one, [one, other + 2.0], [0.5, 0.5])
+    # of 0 or 1 with .02, a linear update takes off much less than of .5
+    assert alike < 0.8 < width_after(one, [one, other + 2.0], [0.98, 0.02])
+
+
+def test_readings_that_tell_laws_apart_leave_one_and_others_do_not():
+    random = np.random.default_rng(2)
+    near, far = (x + random.normal(size=(200, 1)) for x in (0.0, 9.0))
+    none = 9.0 * random.normal(size=(200, 1))
+
+    def said(first, second, mass=0.0):
+        laws = [(0.5, near, first), (0.5, far, second), (mass, none, none)]
+        return rehearsed(laws, np.eye(1), np.zeros(1), 0.0, 100.0)
+
+    (widths, alone), (same, never) = said(near, far), said(near, near)
+    assert np.mean(alone) > 0.8
+    assert not never.any()
+    assert np.median(widths) < 0.25 < np.median(same)
+    # what is no law leaves none alone, however likely
+    assert np.mean(said(near, far, mass=1.0)[1]) < np.mean(alone) + 0.05
+
+
+def test_noise_that_is_not_known_scatters_the_width():
+    random = np.random.default_rng(3)
+    level = random.normal(size=(300, 1))
+    laws = [(1.0, level, level), (0.0, level, level)]
+    known, doubtful = (rehearsed(laws, np.eye(1), np.zeros(1), x, 100.0)[0] for x in (0.0, 0.3))
+    assert np.ptp(np.log(known)) < 1e-9
+    assert np.std(np.log(doubtful)) == pytest.approx(0.3, rel=0.15)
 
 
 def test_a_band_without_width_has_no_readings_to_propose():

@@ -3,7 +3,6 @@
 import csv
 import io
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -52,42 +51,6 @@ def filled(sheet: Plan, travels, parameter_uncertainties=None, sigma=SIGMA) -> M
     )
 
 
-def test_what_one_per_cent_costs_is_said_beside_what_is_needed_better():
-    sheet = plan(BLOCK, "coulomb", uncertainty=0.0005)
-    estimate = next(preparation for preparation in sheet.preparations if preparation.path == K)
-    assert estimate.needed < 0.001 * estimate.value
-    before, after = percentages(estimate.rough)
-    # mu is in proportion to k: 1 % of it beside the readings' part, of which mass and compression
-    # add a quarter each to the variance, as k did when it was known as needed
-    readings = 1.0 / (
-        2.0 * estimate.needed / estimate.value
-    )  # 1 % over what the readings leave, in 0.01
-    closed = before * math.sqrt((1.5 + (0.01 * readings) ** 2) / 1.75)
-    assert after == pytest.approx(closed, rel=0.05)
-    same = plan(
-        BLOCK,
-        "coulomb",
-        parameter_uncertainties={"stiffness": 0.01 * estimate.value},
-        uncertainty=0.0005,
-    )
-    (level,) = same.expectations["coulomb"]
-    # that plan allows for an offset of the readings, too
-    assert 50.0 * (level.high - level.low) / level.value == pytest.approx(after, rel=0.3)
-    stated = next(preparation for preparation in same.preparations if preparation.path == K)
-    assert re.search(r"interval of \$mu_k\$ stays at ± [0-9.]+ % of the value", stated.rough)
-
-
-def percentages(text):
-    after, before = re.findall(r"± ([0-9.]+) %", text)
-    return float(before), float(after)
-
-
-def test_what_is_needed_to_more_than_one_per_cent_has_no_such_remark():
-    sheet = plan(BLOCK, "coulomb", uncertainty=0.02)
-    assert all(preparation.needed >= 0.01 * preparation.value for preparation in sheet.preparations)
-    assert [preparation.rough for preparation in sheet.preparations] == [""] * 3
-
-
 @pytest.mark.parametrize(
     ("readings", "stated", "expected", "freedom"),
     [
@@ -131,8 +94,8 @@ def test_the_band_holds_all_laws_and_the_runs_narrow_it(three):
         assert row.low <= min(row.predicted.values())
         assert max(row.predicted.values()) <= row.high
         assert row.expected < 0.5 * row.half
-    assert three.widest.half == max(row.half for row in three.settings)
-    assert f"compression {three.widest.text}" in three.band_sentence
+    widest = max(three.settings, key=lambda row: row.half)
+    assert f"compression {widest.text}" in three.band_sentence
 
 
 def test_needed_uncertainties_are_half_the_readings_part():
@@ -222,24 +185,11 @@ def test_stated_uncertainties_count_and_are_judged():
     assert estimate.half_width / estimate.value == pytest.approx(2.33 * 5.0 / 145.0, rel=0.1)
 
 
-def test_what_no_travel_tells_has_another_way():
+def test_what_no_travel_tells_has_no_interval_and_another_way():
     sheet = plan(BLOCK, Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35))
-    # atan 0.35 = 19.3 degrees; 0.35 x 0.82 kg x 9.81 m/s^2 = 2.8 N; over 145 N/m = 19 mm
-    assert "about 19° for 0.35" in sheet.rest["$mu_s$ by tilt"]
-    assert "about 2.8 N, over the weight of 8.04 N" in sheet.rest["$mu_s$ by a slow pull"]
-    assert "about 19 mm" in sheet.rest["$mu_s$ by the spring"]
     (static,) = (e for e in sheet.expectations["coulomb"] if e.quantity.symbol == "mu_s")
     assert not static.bounded
     assert static.reason.startswith("Pull slowly until the block moves")
-
-
-def test_the_angle_is_read_as_well_as_the_level_is_known():
-    sheet = plan(
-        BLOCK, Coulomb(kinetic_coefficient=0.25), uncertainty=0.02, parameter_uncertainties=EXACT
-    )
-    share = 0.02 / math.sqrt(3.0 * np.sum(TRAVELS**2))
-    angle = math.degrees(share * 0.25 / (1.0 + 0.25**2))
-    assert f"Read it to {angle:.1g}°" in sheet.rest["$mu_s$ by tilt"]
 
 
 def test_settings_go_up_and_down():
@@ -325,7 +275,6 @@ def test_a_law_whose_values_do_not_reach_the_travel_is_left_out_and_named():
 
 def test_a_plan_prints_and_goes_into_json(three):
     assert f"{4 * three.repeats} travels" in repr(three)
-    assert "<table" in three._repr_html_()
     content = three.to_dict()
     assert content["repeats"] == three.repeats
     assert content["settings"][0]["band"] == [three.settings[0].low, three.settings[0].high]
@@ -376,8 +325,6 @@ def test_what_trials_vary_is_what_is_set():
     for setting in sheet.settings:
         expected = setting.value * 0.08**2 / (2.0 * level * 0.82 * 9.81)
         assert setting.predicted["coulomb"] == pytest.approx(expected, rel=1e-6)
-    (spring,) = (preparation.how for preparation in sheet.preparations if preparation.path == K)
-    assert "its length changes by 80 mm" in spring
 
 
 def test_inclines_are_set_in_degrees():
@@ -440,30 +387,8 @@ def test_what_no_number_of_repeats_separates_is_said(laws):
     assert "They distinguish 0 of 1 pair of laws" in sheet.sentence
 
 
-def test_a_stiff_spring_is_pressed_and_not_loaded_with_a_tonne():
-    heavy = SpringBlock(mass=250.0, stiffness=9e4, compression=0.12)
-    (how,) = (
-        preparation.how
-        for preparation in plan(heavy, ["coulomb"]).preparations
-        if preparation.path == K
-    )
-    # 9e4 N/m x 0.12 m = 10,800 N: 1.1 tonnes
-    assert how.startswith(
-        "Compress the spring by 0.12 m against a load cell (range at least 10,800"
-    )
-
-
-@pytest.mark.parametrize(
-    ("angle", "compression", "way", "weight"),
-    [
-        (0.09, 0.08, "uphill", "less"),
-        (-0.09, 0.08, "downhill", "plus"),
-        (-0.09, -0.08, "uphill", "less"),
-    ],
-)
-def test_a_pull_along_an_incline_goes_the_way_of_the_run(angle, compression, way, weight):
-    track = replace(BLOCK, incline=angle, compression=compression)
-    pull = plan(track, ["coulomb"]).rest["$mu_s$ by a slow pull"]
-    assert pull.startswith(f"Pull {way} until the block slides")
-    # 0.82 kg x 9.81 m/s^2 x sin 0.09 = 0.723 N
-    assert f"{weight} 0.723 N of weight along the track" in pull
+def test_no_more_runs_are_planned_than_are_asked_for(three):
+    assert len(three.runs()) == 12
+    few = plan(BLOCK, ["coulomb", "viscous", "coulomb-viscous"], uncertainty=SIGMA, readings=9)
+    assert len(few.runs()) == 8  # two at each of four settings
+    assert few.settings[0].expected > three.settings[0].expected

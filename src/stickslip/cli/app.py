@@ -53,7 +53,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "stickslip sweep campaign.toml -o runs --dry-run",
     ),
     "orbits": ("stickslip orbits rig.toml --vary drive.frequency=2:20 -o orbits.csv",),
-    "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
+    "plan": ("stickslip plan rig.toml --data table.csv --readings 12 -o next.csv",),
     "models": ("stickslip models", "stickslip models lugre"),
     "characterize": (
         "stickslip characterize lugre --tests drift,steady",

@@ -1,10 +1,9 @@
 """``stickslip select``, ``stickslip fit`` and ``stickslip plan``."""
 
-import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -13,7 +12,13 @@ import typer
 
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
-from stickslip.cli.options import DemoOptions, FitOptions, PlanOptions, SelectOptions
+from stickslip.cli.options import (
+    DemoOptions,
+    FitOptions,
+    MeasuredOptions,
+    PlanOptions,
+    SelectOptions,
+)
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
@@ -291,51 +296,53 @@ def _show_fit(result: Fit, shown: kinds.FitSummary) -> None:
 
 def run_plan(options: PlanOptions) -> None:
     """Plan, write the sheet, show."""
-    files = _files(options.output)
-    for file in files:
-        terminal.refuse_overwriting(file, file.parent, force=options.force)
-    _refuse_filled_in(files[1:])
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
-    travels = rig.measurement
-    if travels is not None and not travels.travelled:
-        travels = None
-    setting = kinds.setting_of(rig.mechanism, travels, rig.t_end)
-    between = _between(setting, rig, options.between)
-    if not options.as_json:
-        terminal.note("Simulating the predictions of the laws ...")
-    result = kinds.plan(
-        rig.mechanism,
-        laws_of(rig, options.laws),
-        measurement=travels,
-        parameter_uncertainties=rig.parameter_uncertainties,
-        between=between,
-        settings=options.settings,
-        uncertainty=_uncertainty(options.uncertainty),
-        t_end=rig.t_end,
-    )
-    if files:
-        _write(result, rig, options.rig, files)
-    if options.as_json:
-        head = {"rig": rig.heading, "digest": rig.digest}
-        terminal.print_json(
-            documents.document("plan", {**head, **result.to_dict(), "files": [*map(str, files)]})
+    travels, laws, further = rig.measurement, laws_of(rig, options.laws), None
+    if options.data or (travels is not None and kinds.is_further(rig.mechanism, travels)):
+        names = [item.name for item in fields(MeasuredOptions) if hasattr(options, item.name)]
+        given = MeasuredOptions(**{name: getattr(options, name) for name in names})
+        kind, request, _ = inputs.measured(rig, given)
+        travels = request.measurement
+        if kinds.is_further(rig.mechanism, travels):
+            further = kind, replace(request, laws=laws)
+    files = [options.output] if options.output is not None else []
+    for file in files:
+        if file.suffix.lower() != ".csv":
+            raise InputError(f"the table to fill in is written as a .csv file, got {file}.")
+        terminal.refuse_overwriting(file, file.parent, force=options.force)
+    result: kinds.Plan | kinds.FurtherPlan
+    if further is not None:
+        if files and further[0].content != "tables":
+            raise InputError(f"-o writes readings to make, and {further[0].measured} have none.")
+        result = kinds.further_plan(_selected(*further), options.readings)
+    else:
+        _refuse_filled_in(files)
+        between = _between(
+            kinds.setting_of(rig.mechanism, travels, rig.t_end), rig, options.between
         )
+        if not options.as_json:
+            terminal.note("Simulating the predictions of the laws ...")
+        result = kinds.plan(
+            rig.mechanism,
+            laws,
+            measurement=travels,
+            parameter_uncertainties=rig.parameter_uncertainties,
+            between=between,
+            settings=options.settings,
+            uncertainty=None if options.uncertainty is None else _uncertainty(options.uncertainty),
+            t_end=rig.t_end,
+            readings=options.readings,
+        )
+    files = files if result.csv() else []  # there may be nothing worth reading
+    for file in files:
+        documents.write_files({file: result.csv()})
+    if options.as_json:
+        content = {"rig": rig.heading, "digest": rig.digest, **result.to_dict()}
+        terminal.print_json(documents.document("plan", content | {"files": [*map(str, files)]}))
         return
     _show_plan(result)
     if files:
-        terminal.stdout().print(f"\nWritten: {', '.join(map(str, files))}")
-
-
-def _files(output: Path | None) -> list[Path]:
-    """Return the sheet and the table beside it."""
-    if output is None:
-        return []
-    if output.suffix.lower() not in (".html", ".htm"):
-        raise InputError(
-            "the lab sheet must be an .html file (its table is written beside it as .csv), got"
-            f" {output}."
-        )
-    return [output, output.with_suffix(".csv")]
+        terminal.stdout().print(f"\nWritten: {files[0]}, to fill in.")
 
 
 def _refuse_filled_in(tables: Sequence[Path]) -> None:
@@ -343,14 +350,10 @@ def _refuse_filled_in(tables: Sequence[Path]) -> None:
     for table in filter(Path.exists, tables):
         try:
             text = documents.regular_bytes(table).decode("utf-8", "replace")
-            head, *rows = list(csv.reader(text.splitlines())) or [[]]
         except OSError as error:
             raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
-        except csv.Error:  # a cell of megabytes is nobody's empty table
-            head, rows = [], []
-        if head[-1:] != [kinds.TRAVEL_COLUMN] or any(
-            cell.strip() for row in rows for cell in row[2:]
-        ):
+        head, *rows = text.splitlines() or [""]
+        if not head.endswith(f",{kinds.TRAVEL_COLUMN}") or any(row[-1:] != "," for row in rows):
             raise InputError(
                 f"{table} is no empty table of a lab sheet, so it is not replaced: move it, or give"
                 " another -o."
@@ -365,29 +368,17 @@ def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | Non
     return terminal.range_of("--between", text, known[path])
 
 
-def _uncertainty(text: str | None) -> float | None:
-    if text is None:
-        return None
+def _uncertainty(text: str) -> float:
     with concerning("--uncertainty"):
         return terminal.number_of(text, Quantity("u_s", "m", above=0))
 
 
-def _write(found: kinds.Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
-    from stickslip.identify.kinds import plan_page
-
-    sheet, table = files
-    name = "" if path is None else f" {path}"
-    origin = Origin(
-        title=rig.heading, data=rig.subject or str(rig.path), digest=rig.digest,
-        commands=(terminal.command_line(),),
-    )  # fmt: skip
-    page = plan_page(found, origin, save_as=f"stickslip select{name} --data {table.name}")
-    documents.write_files({sheet: render(page), table: found.csv()})
-
-
-def _show_plan(found: kinds.Plan) -> None:
-    terminal.show_sections(kinds.plan_sections(found))
-    head, *_ = found.csv().splitlines()
+def _show_plan(found: kinds.Plan | kinds.FurtherPlan) -> None:
     console = terminal.stdout()
-    console.print("\nSave the travels as a CSV file with these columns", style="bold")
-    console.print(f"  {head}")
+    if isinstance(found, kinds.Plan):
+        terminal.show_sections(kinds.plan_sections(found))
+        console.print("\nSave the travels as a CSV file with these columns", style="bold")
+        console.print(f"  {found.csv().splitlines()[0]}")
+        return
+    for line in found.lines or [found.sentence]:
+        console.print(f"\n{terminal.plain(line)}")

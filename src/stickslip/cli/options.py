@@ -602,11 +602,20 @@ class OrbitOptions(LawOptions, WriteOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanOptions(RigOptions, WriteOptions):
-    """Plan travel measurements.
+class PlanOptions(RigOptions, DataOptions, WriteOptions):
+    """Plan measurements.
 
-    Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
+    Of a table of friction that was measured, it lists the readings that narrow the 95 % band most,
+    with the width to expect; of records, the further record. Of travels it proposes settings,
+    number of repeats and uncertainty, and lists the laws that they discriminate.
     """
+
+    readings: Annotated[int | None, typer.Option(min=1)] = None
+    """Number of readings, or of runs to rest, at most; default: as many as a table has."""
+    vary: Names = ()
+    """Parameters to fit to records, as for `stickslip select`."""
+    route: str | None = None
+    """Estimation method, as for `stickslip select`."""
 
     laws: Annotated[str | None, typer.Option("--law", "--laws")] = None
     """Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file."""
@@ -619,7 +628,7 @@ class PlanOptions(RigOptions, WriteOptions):
     """Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm; default: that of
     the rig's trials, or 2 % of the longest travel."""
     output: Output = None
-    """Lab sheet to print (HTML); its table is written beside it as CSV, to fill in."""
+    """Table of the readings to make, to fill in (CSV); `stickslip select --data` reads it."""
 
 
 @dataclass(frozen=True, kw_only=True)

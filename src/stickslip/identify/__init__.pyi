@@ -22,6 +22,7 @@ from stickslip.identify.joints import JointVerdict as JointVerdict
 from stickslip.identify.joints import fit_joints as fit_joints
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
+from stickslip.identify.kinds import FurtherPlan as FurtherPlan
 from stickslip.identify.kinds import Plan as Plan
 from stickslip.identify.kinds import SimulatedFit as SimulatedFit
 from stickslip.identify.kinds import SimulatedVerdict as SimulatedVerdict
@@ -67,6 +68,7 @@ __all__ = [
     "Estimate",
     "Fit",
     "Foreseen",
+    "FurtherPlan",
     "Interval",
     "JointVerdict",
     "LawCandidate",

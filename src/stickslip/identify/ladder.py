@@ -343,6 +343,23 @@ def candidate_of(
     )
 
 
+def readings_sentence(
+    proposal: Proposal,
+    places: Sequence[float],
+    conditions: Mapping[str, Sequence[float]],
+    measurement: Measurement,
+) -> str:
+    """Return which readings to make, at velocities and conditions (n,), and what they gain."""
+    texts = [quantity(v, measurement.unit("velocity"), 2) for v in places]
+    for k, text in enumerate(texts if conditions else ()):
+        values = {name: x[k] for name, x in conditions.items()}
+        said = [quantity(values.pop(LOAD), "N", 2)] if LOAD in values else []
+        said += [inputs_text(values, turning=measurement.turning)] if values else []
+        texts[k] = f"{text} at {joined(said)}"
+    texts = [text for _, text in sorted(zip(places, texts, strict=True))]
+    return advice_sentence(proposal, texts) if texts else NO_READINGS
+
+
 def ladder_verdict(
     judgement: Judgement,
     mechanism: Mechanism,
@@ -427,17 +444,8 @@ def ladder_verdict(
     loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
     if len(loads) == 2 and of_load:
         said_next.append(third_load_sentence(loads))
-    if proposal.places:
-        texts = [quantity(v, words.speed_unit, 2) for v in places]
-        for k, text in enumerate(texts if conditions else ()):
-            values = {name: x[k] for name, x in conditions.items()}
-            said = [quantity(values.pop(LOAD), "N", 2)] if LOAD in values else []
-            said += [inputs_text(values, turning=measurement.turning)] if values else []
-            texts[k] = f"{text} at {joined(said)}"
-        texts = [text for _, text in sorted(zip(places, texts, strict=True))]
-        said_next.append(advice_sentence(proposal, texts))
-    elif words.measured == "readings":
-        said_next.append(NO_READINGS)
+    if words.measured == "readings":
+        said_next.append(readings_sentence(proposal, places, conditions, measurement))
     said_next += advice
     return BandVerdict(
         mechanism=first.fit.mechanism,

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtri, ndtr
 
 from stickslip.identify.bands import LEVEL
@@ -115,9 +116,9 @@ def propose(
     start = width()
     if not start:
         return Proposal(places=(), shrinks=1.0, widths=(1.0,))
-    chosen, shrinks, most = list[int](), [1.0], min(MOST, taken)
-    while len(chosen) < COUNTED:
-        if shrinks[-1] <= (enough if len(chosen) < most else HALVED):
+    chosen, shrinks = list[int](), [1.0]
+    while len(chosen) < max(COUNTED, taken):
+        if shrinks[-1] <= (enough if len(chosen) < taken else HALVED):
             break
         own = covariance[numbers[:, :, None], count + numbers[:, None, :]] + scatter
         cross = covariance[numbers, :count]
@@ -129,7 +130,7 @@ def propose(
         covariance -= rows[:, count:].T @ less
         chosen.append(best)
         shrinks.append(width() / start)
-    some = min(most, len(chosen))
+    some = min(taken, len(chosen))
     widths = tuple(shrinks[1 : some + 1])
     if shrinks[some] >= WORTH:
         return Proposal(places=(), shrinks=1.0, widths=widths)
@@ -143,23 +144,80 @@ def propose(
     )
 
 
-def width_after(points: Array, seen: Sequence[Array]) -> float:
+def rehearsed(
+    laws: Sequence[tuple[float, Array, Array]],
+    errors: Array,
+    rest: Array,
+    doubt: float,
+    odds: float,
+) -> tuple[Array, NDArray[np.bool_]]:
+    r"""Return widths (k,) to which readings may come, and whether they leave one law (k,).
+
+    Of each law there is its mass, and what is asked (d, n) and read (d, m) in its draws; the last
+    stands for all that is no law. Readings are drawn from one of them with `errors`, a covariance
+    (m, m), and update each as in `propose`: its mass by their density, which has a mean and a
+    covariance. One law is left at `odds` over each other. Where the logarithm of the noise is known
+    to a deviation, it comes out off by the `doubt` that readings take off that. `rest` as there.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> near, far, none = (x + rng.normal(size=(300, 1)) for x in (0.0, 20.0, 9.0))
+    >>> laws = [(0.5, near, near), (0.5, far, far), (0.0, none, none)]
+    >>> widths, alone = rehearsed(laws, np.eye(1), np.zeros(1), 0.0, 100.0)
+    >>> round(float(np.median(widths)), 2), float(np.mean(alone))  # sqrt(1/2) over sqrt(101)
+    (0.07, 1.0)
+    """
+    rng, mass = np.random.default_rng(5), np.array([item[0] for item in laws])
+    mass /= mass.sum()
+    truths = rng.choice(len(laws), COUNTED, p=mass)
+    drawn = np.array([laws[k][2][rng.integers(len(laws[k][2]))] for k in truths])
+    read = drawn + rng.multivariate_normal(np.zeros(len(errors)), errors, COUNTED)
+    logs, known = list[Array](), list[tuple[Array, Array, Array, Array]]()
+    for share, x, y in laws:
+        n, middle, off = x.shape[1], x.mean(axis=0), read - y.mean(axis=0)
+        covariance = np.cov(np.hstack([x, y]).T)
+        own, cross = covariance[n:, n:].reshape(len(errors), -1) + errors, covariance[n:, :n]
+        less, before = np.linalg.solve(own, cross), np.diag(covariance)[:n]
+        score = np.sum(off * np.linalg.solve(own, off.T).T, axis=1) + np.linalg.slogdet(own)[1]
+        logs.append(math.log(share + 1e-300) - 0.5 * score)
+        after = np.maximum(before - np.sum(cross * less, axis=0), 0.0)
+        known.append((middle[None], before[None], middle + off @ less, after[None]))
+    weights = np.exp(np.array(logs) - np.max(logs, axis=0))
+    weights /= weights.sum(axis=0)
+
+    def width(shares: Array, middles: Array, own: Array) -> Array:
+        """Return the mean standard deviation (k,) of what is asked, over several laws."""
+        middle = np.einsum("lk,lkn->kn", shares, middles)
+        spread = np.einsum("lk,lkn->kn", shares, own + (middles - middle) ** 2)
+        return np.asarray(np.mean(np.sqrt(spread + rest), axis=1))
+
+    first, spread, then, left = (np.array(item) for item in zip(*known, strict=True))
+    widths = width(weights, then, left) / width(mass[:, None], first, spread)
+    ordered = np.sort(np.vstack([np.zeros(COUNTED), weights[:-1]]), axis=0)
+    alone = np.asarray(ordered[-1] >= odds * ordered[-2])
+    return widths * np.exp(doubt * rng.normal(size=COUNTED)), alone
+
+
+def width_after(points: Array, seen: Sequence[Array], shares: Sequence[float]) -> float:
     """Return the expected width of what is asked after a record is made, over today's.
 
-    Asked is which of several laws holds or, of one alone, its parameters in draws (k, p). In draws
-    of each law the record shows rows (k, r), over their noise and with it: what is seen are the
-    `DIRECTIONS` in which they differ most, and their squares, as laws may differ by the scatter of
-    what they show.
+    Asked is which of several laws, with probabilities in proportion to `shares`, holds or, of one
+    alone, its parameters in draws (k, p). In draws of each law the record shows rows (k, r), over
+    their noise and with it: what is seen are the `DIRECTIONS` in which they differ most, and their
+    squares, as laws may differ by the scatter of what they show.
 
     Examples
     --------
     >>> rng = np.random.default_rng(0)
     >>> a, b = rng.normal(size=(2, 400, 1))
-    >>> round(width_after(a, [a + b]), 1)  # sqrt(1/2)
+    >>> round(width_after(a, [a + b], [1.0]), 1)  # sqrt(1/2)
     0.7
-    >>> width_after(a, [a, b + 9.0]) < 0.3  # rows tell the laws apart
+    >>> width_after(a, [a, b + 9.0], [0.5, 0.5]) < 0.3  # rows tell the laws apart
     True
     """
+    top = max(shares)
+    seen = [x[:: max(round(top / share), 1)] for x, share in zip(seen, shares, strict=True)]
     rows = np.concatenate(seen)
     law = np.repeat(np.arange(len(seen)), [len(item) for item in seen])
     asked = points if len(seen) == 1 else (law[:, None] == np.arange(1, len(seen))).astype(float)

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.data import (
     Checks,
@@ -19,7 +20,7 @@ from stickslip.data import (
     without_outliers,
 )
 from stickslip.errors import InputError
-from stickslip.identify.bands import Foreseen
+from stickslip.identify.bands import Array, Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import (
     Hold,
@@ -30,8 +31,8 @@ from stickslip.identify.fits import (
     refuse_other_loads,
 )
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
-from stickslip.identify.judgement import DRAWS, Judgement
-from stickslip.identify.ladder import ladder_verdict, rest_sentence
+from stickslip.identify.judgement import DRAWS, RIVAL, Judgement
+from stickslip.identify.ladder import LEAST, ladder_verdict, rest_sentence
 from stickslip.identify.posterior import Family
 from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns, followed
 from stickslip.identify.problems.free_balance import free_form, goes_on
@@ -40,12 +41,16 @@ from stickslip.identify.problems.free_runs import AGAIN
 from stickslip.identify.problems.record_checks import LIFTED, refuse_wrong_signs, settled
 from stickslip.identify.problems.record_signals import NotToldError, Record, records_of
 from stickslip.identify.problems.records import LOAD, RecordProblem
+from stickslip.identify.problems.table_model import Rows
 from stickslip.identify.problems.tables import TableProblem, known_terms, readings_of
 from stickslip.identify.projection import TOLERANCE
 from stickslip.identify.propose import (
+    HALF,
+    MOST,
     WORTH,
     Proposal,
     propose,
+    rehearsed,
     widths_of_another,
     within_band,
 )
@@ -64,6 +69,9 @@ from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
 from stickslip.show.formatting import quantity
+
+EACH = 60
+"""Draws of each law of which it is rehearsed what readings come to."""
 
 
 def checked(
@@ -121,28 +129,7 @@ def select_table(
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
-    offered = problem.offered()
-    # friction is asked for, and read, early, midway and late: new readings are in random order
-    times, n = (0.0, 0.5, 1.0), len(offered.velocity)
-    rows = offered.where(np.tile(np.arange(n), len(times)))
-    rows = replace(rows, order=np.repeat(times, n))
-    steady = within_band(problem.steady(rows, judgement.draws))
-    curves = within_band(judgement.curves(rows))
-    # friction is as well known at each load, about
-    grown = np.tile(problem.model.frame.grown(offered), len(times))
-    # what runs differ, and ends that may be outliers, no reading takes off
-    rest = np.maximum(np.var(curves, axis=0) - np.var(steady, axis=0), 0.0) / grown**2
-    noise, shared = problem.errors(offered)
-    proposal = propose(
-        steady / grown,
-        steady,
-        np.tile(noise, len(times)),
-        problem.table.total,
-        rest,
-        shared=np.tile(shared, (len(times), len(times))),
-    )
-    chosen = offered.where(np.array(proposal.places, dtype=np.intp) % n)
-    conditions = ({LOAD: chosen.load} if problem.model.frame.loaded else {}) | {**chosen.inputs}
+    proposal, chosen = further_readings(judgement)
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     ordered_by = problem.model.ordered_by
     remarks = [ORDERED.format(ordered_by)] * bool(ordered_by)
@@ -155,8 +142,7 @@ def select_table(
         words,
         checks=checks,
         proposal=proposal,
-        places=tuple(chosen.velocity.tolist()),
-        conditions={name: tuple(x.tolist()) for name, x in conditions.items()},
+        **settings_of(problem, chosen),
         largest_speed=problem.model.frame.fastest,
         route="table",
         foreseer=foreseer,
@@ -164,6 +150,107 @@ def select_table(
         foreseen=None if validate is None else foreseer(validate),
         remarks=tuple(remarks),
     )
+
+
+def _wanted(judgement: Judgement) -> tuple[Rows, Array, Array, Array]:
+    """Return the rows (n,) at which friction is wanted, and how it grows with the load there.
+
+    Then its draws (k, n), and the variance (n,) that no reading takes off.
+    """
+    problem = judgement.problem
+    assert isinstance(problem, TableProblem)
+    offered = problem.offered()
+    # friction is asked for, and read, early, midway and late: new readings are in random order
+    times, n = (0.0, 0.5, 1.0), len(offered.velocity)
+    rows = offered.where(np.tile(np.arange(n), len(times)))
+    rows = replace(rows, order=np.repeat(times, n))
+    steady = within_band(problem.steady(rows, judgement.draws))
+    curves = within_band(judgement.curves(rows))
+    # friction is as well known at each load, about
+    grown = np.tile(problem.model.frame.grown(offered), len(times))
+    # what runs differ, and ends that may be outliers, no reading takes off
+    rest = np.maximum(np.var(curves, axis=0) - np.var(steady, axis=0), 0.0) / grown**2
+    return rows, grown, steady, rest
+
+
+def further_readings(judgement: Judgement, count: int | None = None) -> tuple[Proposal, Rows]:
+    """Return which readings of a table to make, with their rows in the order of their gain.
+
+    They are no more than were made, and end where little is left to gain, if no count is given.
+    """
+    problem = judgement.problem
+    assert isinstance(problem, TableProblem)
+    rows, grown, steady, rest = _wanted(judgement)
+    offered = problem.offered()
+    noise, shared = problem.errors(offered)
+    fold = len(rows.velocity) // len(noise)
+    proposal = propose(
+        steady / grown, steady, np.tile(noise, fold),
+        min(MOST, problem.table.total) if count is None else count,
+        rest, HALF if count is None else 0.0, np.tile(shared, (fold, fold)),
+    )  # fmt: skip
+    return proposal, offered.where(np.array(proposal.places, dtype=np.intp) % len(noise))
+
+
+def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
+    """Return velocities of rows, and loads and inputs where these differ, as a verdict has them."""
+    loads = {LOAD: rows.load} if problem.model.frame.loaded else {}
+    conditions = {name: tuple(x.tolist()) for name, x in (loads | {**rows.inputs}).items()}
+    return {"places": tuple(rows.velocity.tolist()), "conditions": conditions}
+
+
+def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
+    """Return a table with rows to fill in, whose friction is 0 so far; of trials as another one."""
+    first, *others = measurement.records()
+    new: dict[str, Any] = {"velocity": rows.velocity, "friction": 0.0 * rows.velocity}
+    new |= {} if first.load is None else {LOAD: rows.load}
+    inputs = {name: rows.inputs[name] for name in first.inputs if name in rows.inputs}
+    if others:
+        return Measurement(**new, inputs=inputs, turning=measurement.turning)
+    shape = np.shape(first.values("friction"))
+
+    def longer(own: Any, more: Array) -> Array:
+        return np.append(np.broadcast_to(own, shape), more)
+
+    new = {name: longer(first.values(name), x) for name, x in new.items()}
+    return Measurement(
+        **new,
+        inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
+        uncertainty={name: longer(x, np.full(len(rows.velocity), np.median(x)))
+                     for name, x in first.uncertainty.items() if name in new},
+        uncertainty_kind=first.uncertainty_kind, turning=measurement.turning,
+    )  # fmt: skip
+
+
+def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[np.bool_]"]:
+    """Return to which widths of the band readings at rows may come, and whether they leave one law.
+
+    Widths (k,) over that of now; laws (k,) that are one already are not left by them. Laws are
+    those of a thousandth of the likeliest's mass.
+    """
+    problem = judgement.problem
+    assert isinstance(problem, TableProblem)
+    posterior, model, taken = problem.posterior, problem.model, len(rows.velocity)
+    asked, grown, _, rest = _wanted(judgement)
+    noise, shared = problem.errors(rows)
+    far = np.array([model.unexplained(x) for x in posterior.nodes])[:, None]
+    far = far > judgement.tolerance * problem.size
+    is_far = np.broadcast_to(far if far.any() else ~far, posterior.weights.shape)
+    least = LEAST * max(rung.adequate for rung in judgement.rungs)
+    laws = [(x.adequate, problem.holds(x.family) & ~far)
+            for x in judgement.rungs if x.adequate > least]  # fmt: skip
+    laws.append((float(posterior.weights[far[:, 0]].sum()), is_far))
+    midway, every = replace(rows, order=np.full(taken, 0.5)), []
+    for mass, only in laws:
+        draws = posterior.draws(EACH, seed=1, only=only)
+        wanted, read = (within_band(problem.steady(at, draws)) for at in (asked, midway))
+        every.append((mass, wanted / grown, read))
+    sizes = np.hypot([*map(model.sigma, posterior.nodes)], np.median(problem.table.stated))
+    sizes, weights = np.log(sizes), posterior.weights.sum(axis=1)
+    told = taken / (taken + problem.table.total)
+    doubt = math.sqrt(told * float(weights @ (sizes - weights @ sizes) ** 2))
+    widths, alone = rehearsed(every, np.diag(noise**2) + shared, rest, doubt, RIVAL)
+    return widths, alone & (len(judgement.set) > 1)
 
 
 def _foreseen_readings(

@@ -196,7 +196,7 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     said = f"Take {len(places)} readings at {len(counts)} {what} from {first} to {last}"
     if len(places) > len(counts):
         said += f", the most at {joined(named)}"
-    return f"{said} (all are in verdict.json): {expected}."
+    return f"{said} (`stickslip plan` lists them): {expected}."
 
 
 def motions_sentence(shrinks: Sequence[float], share: float) -> str:

@@ -246,6 +246,7 @@ class FeatureKind(SimulatedKind):
                     values.append((name, value))
                     blocks.append(block)
         every = [draws_of(fit, blocks, int(ENOUGH)) for fit in fits]
+        shares = [fit.posterior.shares[fit.name] for fit in fits]
         chosen = np.linspace(0, len(fits[0].family.points) - 1, int(ENOUGH)).astype(np.intp)
         points = fits[0].family.points[chosen, : len(problem.laws[fits[0].name].free)]
         result = []
@@ -260,7 +261,7 @@ class FeatureKind(SimulatedKind):
             }
             least = READ * first.features.compared
             seen = [np.log(np.maximum(row[ok], least)) for row, ok in zip(rows, works, strict=True)]
-            width = width_after(points[works[0]], seen)
+            width = width_after(points[works[0]], seen, shares)
             result.append(OtherSetting(name, value, predicted, width))
         return tuple(sorted(result, key=lambda item: item.expected_width))
 

@@ -1,16 +1,28 @@
 """What a plan of travels gives back: a sheet to take to the rig, for terminals and pages alike."""
 
 import csv
-import html
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
+from stickslip.data import Measurement
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
+from stickslip.identify import BandVerdict, Verdict
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.travels import unit_of, words_of
+from stickslip.identify.ladder import readings_sentence
+from stickslip.identify.problems.tables import TableProblem
+from stickslip.identify.selection import (
+    foreseen_widths,
+    further_readings,
+    settings_of,
+    with_readings,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters
 from stickslip.show.described import Described
@@ -21,31 +33,28 @@ from stickslip.show.formatting import (
     fixed,
     joined,
     number,
+    percent,
     quantity,
     significant,
 )
 from stickslip.show.report import (
-    Blank,
     Block,
-    Code,
     Column,
     KeyValue,
     KeyValues,
     Name,
     Note,
-    Origin,
-    Page,
     Paragraph,
     Row,
     Section,
     Table,
-    colophon,
-    reproduce,
 )
 
 if TYPE_CHECKING:
     import pandas as pd
 
+NUMBER = Quantity("n", low=1, high=300)
+"""Readings that a plan may have."""
 TRAVEL_COLUMN = "travel [mm]"
 """Column of the table of runs that is filled in."""
 BLOCK = 6
@@ -121,10 +130,6 @@ class Preparation(metaclass=Described):
     """Standard uncertainty at which it adds half as much as the readings to the level's."""
     stated: float | None
     """Standard uncertainty that was stated; None without."""
-    how: str
-    """How it is measured, with the resolution that is needed."""
-    rough: str = ""
-    """What it costs to know it to 1 % only; empty where more than that will do."""
 
     @property
     def name(self) -> str:
@@ -149,8 +154,6 @@ class Preparation(metaclass=Described):
             "value": self.value,
             "needed_uncertainty": self.needed,
             "stated_uncertainty": self.stated,
-            "how": self.how,
-            "known_to_one_percent": self.rough.replace("$", ""),
         }
 
 
@@ -174,8 +177,6 @@ class Plan(Tabular):
     """Whether neither a statement nor repeats tell it."""
     preparations: tuple[Preparation, ...]
     """What to measure before."""
-    rest: Mapping[str, str]
-    """How to measure the level at rest, which travels do not tell, by what it is done with."""
     tellings: Mapping[tuple[str, str], int | None]
     """By the law that is taken to hold and the one to be ruled out, the runs at each setting that
     rule it out in nine of ten such sets, the easiest first; None if more than `most`."""
@@ -212,14 +213,9 @@ class Plan(Tabular):
         return said
 
     @property
-    def widest(self) -> Separation:
-        """The setting at which the band of the travel is widest: a run there narrows it most."""
-        return max(self.settings, key=lambda setting: setting.half)
-
-    @property
     def band_sentence(self) -> str:
         """Where the travel is known least, and how well it will be."""
-        one = self.widest
+        one = max(self.settings, key=lambda setting: setting.half)
         before, after = (quantity(x, "m", 2) for x in (one.half, one.expected))
         return (
             f"The travel is known least with the {self.knob} {one.text}: ± {before} over all"
@@ -270,9 +266,6 @@ class Plan(Tabular):
             },
             "settings": [setting.to_dict() for setting in self.settings],
             "prepare": [preparation.to_dict() for preparation in self.preparations],
-            "measure_otherwise": {
-                head.replace("$", ""): text.replace("$", "") for head, text in self.rest.items()
-            },
             "tells_apart": [
                 {"holds": holds, "ruled_out": rival, "repeats": many}
                 for (holds, rival), many in self.tellings.items()
@@ -289,9 +282,96 @@ class Plan(Tabular):
     def __repr__(self) -> str:
         return f"<Plan: {self.sentence}>"
 
-    def _repr_html_(self) -> str:
-        table = self.to_dataframe().to_html(index=False, na_rep="", border=0)
-        return f"<p>{html.escape(self.sentence)}</p>{table}"
+
+@dataclass(frozen=True, kw_only=True)
+class FurtherPlan(metaclass=Described):
+    """What to measure beside what was measured, and what it is expected to tell."""
+
+    verdict: Verdict
+    """What is known now."""
+    lines: tuple[str, ...]
+    """What to measure, and what is expected of it, in sentences."""
+    readings: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Of a table: velocities, loads and inputs (n,) [SI] in the order in which to read friction."""
+    widths: tuple[float, ...] = ()
+    """Widths of the band after them over that of now: quantiles of 10, 50 and 90 %."""
+    chance: float | None = None
+    """Probability that the band is halved, or that one law is left."""
+    sheet: Measurement | None = None
+    """Readings that were made and, last, those to make; of several trials these alone."""
+
+    @property
+    def sentence(self) -> str:
+        """What to measure, and what is expected of it."""
+        return " ".join(self.lines) or "No further measurement is proposed."
+
+    def csv(self) -> str:
+        """Return the table to fill in, as `load_measurement` reads it; empty if not of a table."""
+        if self.sheet is None:
+            return ""
+        table = self.sheet.to_dataframe()
+        empty = [name for name in table.columns if name.startswith("friction [")]
+        table.loc[table.index[-len(self.readings["velocity"]) :], empty] = math.nan
+        return str(table.to_csv(index=False, lineterminator="\n"))
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the plan as plain numbers and strings, ready for JSON."""
+        return {
+            "plan": self.sentence.replace("$", ""),
+            "readings": {name: list(x) for name, x in self.readings.items()},
+            "band_shrinks_to": list(self.widths),
+            "halves_or_decides": self.chance,
+            "sheet": self.csv(),
+        }
+
+
+def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
+    """Return what to measure next by a verdict: of a table, so many readings or fewer.
+
+    Readings are no more than were made if no number is given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Axis, Measurement, select
+    >>> v = np.linspace(0.1, 1.0, 10)
+    >>> noise = 0.05 * np.random.default_rng(1).normal(size=10)
+    >>> table = Measurement(velocity=v, friction=2.0 + 0.5 * v + noise)
+    >>> further = further_plan(select(Axis(inertia=1.0), None, table), 4)
+    >>> len(further.readings["velocity"]), further.csv().splitlines()[0]
+    (4, 'velocity [m/s],friction [N]')
+    """
+    problem = verdict.judgement.problem if isinstance(verdict, BandVerdict) else None
+    if not isinstance(verdict, BandVerdict) or not isinstance(problem, TableProblem):
+        if readings is not None:
+            raise InputError(
+                "readings is a number of readings of a table of friction, or of runs to rest, and"
+                " this measurement is neither: leave it out."
+            )
+        return FurtherPlan(verdict=verdict, lines=tuple(verdict.words.measure_next))
+    many = None if readings is None else int(NUMBER.check("plan", "readings", readings))
+    proposal, rows = further_readings(verdict.judgement, many)
+    shown = np.vectorize(lambda x: float(f"{x:.3g}"), otypes=[float])  # as somebody sets it
+    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
+    rows = replace(rows, velocity=shown(rows.velocity), load=shown(rows.load),
+                   inputs={name: shown(x) for name, x in rows.inputs.items()})  # fmt: skip
+    given = settings_of(problem, rows)
+    said = readings_sentence(proposal, **given, measurement=verdict.measurement)
+    if not proposal.places:
+        return FurtherPlan(verdict=verdict, lines=(said,))
+    widths, alone = foreseen_widths(verdict.judgement, rows)
+    low, middle, high = np.quantile(widths, (0.1, 0.5, 0.9)).tolist()
+    chance = float(np.mean((2.0 * widths <= 1.0) | alone))
+    likely = (
+        f"With a probability of 80 % it comes to {percent(low)} to {percent(high)}, and with"
+        f" {percent(round(chance, 2))} it halves{' or one law is left' * (len(verdict.set) > 1)}."
+        " Make the readings in the order of the table, which is random."
+    )
+    return FurtherPlan(
+        verdict=verdict, lines=(said, likely), widths=(low, middle, high), chance=chance,
+        readings={"velocity": given["places"], **given["conditions"]},
+        sheet=with_readings(verdict.measurement, rows),
+    )  # fmt: skip
 
 
 def plan_sections(plan: Plan) -> tuple[Section, ...]:
@@ -311,27 +391,6 @@ def plan_sections(plan: Plan) -> tuple[Section, ...]:
     first = Section(id="plan", nav="Plan", heading=plan.sentence, blocks=(*lines, *notes))
     apart = (_apart(plan),) if plan.tellings else ()
     return (first, _before(plan), _settings(plan), *apart, _values(plan))
-
-
-def plan_page(plan: Plan, origin: Origin, *, save_as: str = "") -> Page:
-    """Return the sheet of a plan, to print and to fill in by hand.
-
-    Examples
-    --------
-    >>> from stickslip import SpringBlock, plan
-    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-    >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
-    >>> page = plan_page(sheet, Origin(title="Block", data="rig.toml"))
-    >>> [section.id for section in page.sections][-2:]
-    ['runs', 'reproduce']
-    """
-    return Page(
-        title=f"Lab sheet: {origin.title}",
-        subject=origin.data,
-        kicker="plan of travels",
-        sections=(*plan_sections(plan), _runs(plan, save_as), reproduce(origin)),
-        footer=colophon(origin.versions),
-    )
 
 
 def _uncertainty(plan: Plan) -> str:
@@ -371,22 +430,14 @@ def _lines(texts: Mapping[str, str]) -> Iterator[Block]:
 
 
 def _before(plan: Plan) -> Section:
-    """Return what to measure before the runs, and below it how."""
+    """Return what to measure before the runs, and how well."""
     rows = [
-        Row(
-            cells=(
-                f"{preparation.name} ${preparation.quantity.symbol}$",
-                quantity(preparation.value, preparation.quantity.unit, 4, degrees=True),
-                quantity(preparation.needed, preparation.quantity.unit, 2, degrees=True),
-                preparation.verdict,
-            )
-        )
-        for preparation in plan.preparations
-    ]
-    how = {
-        capital(preparation.name): f"{preparation.how} {preparation.rough}".rstrip()
-        for preparation in plan.preparations
-    }
+        Row(cells=(
+            f"{x.name} ${x.quantity.symbol}$", quantity(x.value, x.quantity.unit, 4, degrees=True),
+            quantity(x.needed, x.quantity.unit, 2, degrees=True), x.verdict,
+        ))
+        for x in plan.preparations
+    ]  # fmt: skip
     caption = (
         "Uncertainties are standard uncertainties. A parameter with the needed uncertainty"
         f" contributes half as much as the {len(plan.runs())} readings to the uncertainty of the"
@@ -396,10 +447,8 @@ def _before(plan: Plan) -> Section:
     )
     heads = ("parameter", "value", "needed uncertainty", "stated uncertainty")
     tables = [_table(heads, rows, caption)] if rows else []
-    return Section(
-        id="before", nav="Before the runs", heading="Measure before the runs",
-        blocks=(*tables, *_lines({**how, **plan.rest})),
-    )  # fmt: skip
+    head = "Measure before the runs"
+    return Section(id="before", nav="Before the runs", heading=head, blocks=tuple(tables))
 
 
 def _settings(plan: Plan) -> Section:
@@ -422,15 +471,10 @@ def _settings(plan: Plan) -> Section:
         block = plan.settings[i : i + size]
         travels = {name: [item.predicted[name] for item in block] for name in plan.laws}
         rows = [
-            Row(
-                cells=(
-                    Name(text=plan.laws[name].title, aside=values_text(plan.laws[name])),
-                    *(fixed(1e3 * x, decimals) for x in values),
-                ),
-                chosen=name == plan.reference,
-            )
+            Row(cells=(Name(text=plan.laws[name].title, aside=values_text(plan.laws[name])),
+                       *(fixed(1e3 * x, decimals) for x in values)), chosen=name == plan.reference)
             for name, values in travels.items()
-        ]
+        ]  # fmt: skip
         halves = {
             "± now": [item.half for item in block],
             "± expected": [item.expected for item in block],
@@ -503,40 +547,3 @@ def _values(plan: Plan) -> Section:
         id="values", nav="Which values", heading="Expected intervals of each law",
         blocks=(*tables, *_lines(advice)),
     )  # fmt: skip
-
-
-def _runs(plan: Plan, save_as: str) -> Section:
-    """Return the table to fill in."""
-    unit, factor = unit_of(plan.settings[0].unit)
-    columns = (
-        Column(head="run"),
-        Column(
-            head=f"{plan.knob}\n[{unit}]", numeric=True, phone="label",
-            label=f"{plan.knob} [{unit}]",
-        ),
-        Column(head="travel\n[mm]", phone="label", label="travel [mm]"),
-        Column(head="remarks", phone="hide"),
-    )  # fmt: skip
-    blank = Blank(what="travel"), Blank(what="remarks")
-    rows = tuple(
-        Row(cells=(name, number(factor * run.value), *blank)) for name, run in plan.runs().items()
-    )
-    head, first, *_ = plan.csv().splitlines()
-    text = (
-        "Make the runs in this order: the settings go up and down again, so that wear and warm-up"
-        " are not mistaken for their effect. Measure each travel from the start to the rest"
-        " position of the body."
-    )
-    save = (
-        "Save the table as a CSV file with these columns. A column `uncertainty [mm]`, the"
-        " standard uncertainty of each travel, is optional; without it the scatter of the repeats"
-        " is used."
-    )
-    command = [f"\n$ {save_as}"] if save_as else []
-    blocks = (
-        Paragraph(text=text),
-        Table(columns=columns, rows=rows),
-        Paragraph(text=save),
-        Code(text="\n".join([head, f"{first}...", *command])),
-    )
-    return Section(id="runs", nav="The runs", heading="The runs", blocks=blocks)

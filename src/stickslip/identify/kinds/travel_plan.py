@@ -55,9 +55,11 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.plan_sheet import (
+    FurtherPlan,
     Plan,
     Preparation,
     Separation,
+    further_plan,
     setting_text,
     values_text,
 )
@@ -70,103 +72,17 @@ from stickslip.identify.kinds.travels import (
     unit_of,
     words_of,
 )
+from stickslip.identify.kinds.verbs import RouteName, select
 from stickslip.identify.problems.travel_laws import STEPS, room_for
 from stickslip.identify.problems.travels import OFFSET, block_scores
 from stickslip.identify.propose import within_band
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, all_paths, parameters, vary
-from stickslip.show.formatting import joined, number, percent, quantity
-
-# What to measure before the runs of a plan, by which simple means, and how well.
-
-PLAIN = {
-    "mass": "Weigh all sliding parts, to {needed}.",
-    "level": "Measure the push with the force sensor that will record it, to {needed}.",
-    "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
-    "duration": "Determine the push from a record of its force, to {needed}.",
-    "incline": "Measure the rise of the track over its length, or its angle, to {needed}.",
-    "compression": (
-        "Set it anew for each run, against a stop or a scale accurate to {needed}. Its zero is"
-        " where the spring just touches the body."
-    ),
-    **dict.fromkeys(("lower_stop", "upper_stop"), "Measure where the stop is, to {needed}."),
-}
-"""How to measure a parameter, by its last name, where nothing has to be computed for it."""
-LIFTED = 20.0
-"""Largest mass that is hung on a spring [kg]; what needs more is pressed."""
+from stickslip.show.formatting import joined, number, quantity
 
 
 def _values(mechanism: Mechanism) -> dict[str, float]:
     return {path: value for path, _, value in parameters(mechanism, "mechanism")}
-
-
-def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> str:
-    """Return how a parameter of a mechanism is measured well enough."""
-    known = {name: (q, value) for name, q, value in parameters(mechanism, "mechanism")}
-    unit, value = known[path][0].unit, known[path][1]
-    name = path.rpartition(".")[2]
-    text = quantity(needed, unit, 2, degrees=True)
-    if name == "stiffness" and "mechanism.gravity" in known and value > 0.0 and largest > 0.0:
-        load, length = value * largest / known["mechanism.gravity"][1], quantity(largest, "m")
-        read = quantity(needed / value * largest / math.sqrt(2.0), "m", 2)  # two readings
-        heavy = load > LIFTED
-        return (
-            f"Compress the spring by {length} against a load cell (range at least"
-            f" {number(value * largest)} N)."
-            if heavy
-            else f"Hang {quantity(load, 'kg')} on the spring, or press it onto a scale: its length"
-            f" changes by {length}."
-        ) + (
-            f" Measure both lengths to {read} to reach {text}, or take the slope over several"
-            f" {'loads' if heavy else 'masses'}."
-        )
-    said = PLAIN.get(name, "Measure it to {needed}.").format(needed=text)
-    if name == "mass" and known.get("mechanism.stiffness", (None, 0.0))[1]:
-        said += " A third of the spring's mass moves with the body: use a light spring."
-    return said
-
-
-def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[str, str]:
-    """Return ways to measure the level at rest as well as travels tell that of sliding."""
-    known = _values(mechanism)
-    level = float(law.break_away(1.0))
-    names = ("mechanism.mass", "mechanism.gravity")
-    if level <= 0.0 or not all(name in known for name in names) or not math.isfinite(share):
-        return {}
-    weight = math.prod(known[name] for name in names)
-    slope = known.get("mechanism.incline", 0.0)
-    # the way of the run: a spring on the other side drives the block the other way
-    way = math.copysign(1.0, known.get("mechanism.compression", 0.0) or 1.0)
-    pressed, along = weight * math.cos(slope), way * weight * math.sin(slope)
-    pull = max(level * pressed + along, 0.0)
-    read = math.degrees(share * level / (1.0 + level**2))
-    least, force = quantity(pull, "N", 2), quantity(share * level * pressed, "N", 1)
-    where = f" {'uphill' if along > 0.0 else 'downhill'}" * bool(slope)
-    over = f"over the weight of {quantity(weight, 'N')}"
-    if slope:
-        over = (
-            f"{'less' if along > 0.0 else 'plus'} {quantity(abs(along), 'N')} of weight along the"
-            f" track, over the normal force of {quantity(pressed, 'N')}"
-        )
-    result = {
-        "$mu_s$ by tilt": (
-            "Raise the track until the block just slides: $mu_s$ is the tangent of the angle, about"
-            f" {number(math.degrees(math.atan(level)), 2)}° for {number(level, 2)}. Read it to"
-            f" {number(read, 1)}° to know $mu_s$ as well as $mu_k$."
-        ),
-        "$mu_s$ by a slow pull": (
-            f"Pull{where} until the block slides: $mu_s$ is the largest force, about {least},"
-            f" {over}. Read it to {force}."
-        ),
-    }
-    stiffness = known.get("mechanism.stiffness", 0.0)
-    if stiffness > 0.0 and known.get("mechanism.compression", 0.0) and pull > 0.0:
-        said = "the force of a slow pull over $k$" if slope else "$mu_s$ $m$ $g$ / $k$"
-        result["$mu_s$ by the spring"] = (
-            f"The least compression that starts the block is {said}, about"
-            f" {quantity(pull / stiffness, 'm', 2)}."
-        )
-    return result
 
 
 USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
@@ -176,9 +92,6 @@ READING = Quantity("u_s", "m", above=0)
 SCATTER = 0.02
 """Standard deviation of a travel over the longest one where nothing was stated: repeats of dry
 friction scatter by a few per cent."""
-ROUGH = 0.01
-"""Share to which a parameter of a rig is known without much ado: of what is needed better, the cost
-of this is said."""
 MOVED = 1e-3
 """Share by which a level is moved for the slope of its travels."""
 LEAST = THRESHOLDS.fewest
@@ -223,8 +136,16 @@ def plan(
     settings: int = 4,
     uncertainty: float | None = None,
     t_end: float = 10.0,
-) -> Plan:
-    """Plan travels that tell friction laws apart and fix their parameters.
+    readings: int | None = None,
+    vary: str | Sequence[str] | None = None,
+    route: RouteName | None = None,
+) -> Plan | FurtherPlan:
+    """Plan what to measure: travels before any is, or what narrows most what a verdict leaves open.
+
+    Of what was measured, other than travels to rest, it is what `select` proposes to measure next:
+    of tables readings at velocities, loads and inputs with the width to which they may bring the
+    band, else a further record, motion or setting. The rest is of travels, which are to tell
+    friction laws apart and fix their parameters.
 
     The band of the travel over the settings and all laws is that of `select`: where it is
     widest, a reading narrows it most. What the runs will tell is what `select` makes of the travels
@@ -257,11 +178,16 @@ def plan(
         between 1e-5 of the longest travel, to which runs are exact, and all of it.
     t_end : float
         Time after which a body counts as stopped [s].
+    readings : int, optional
+        Readings of a table, or runs to rest, at most; if not given, no more than a table has.
+    vary, route : optional
+        As `select` takes them, of records.
 
     Returns
     -------
-    Plan
-        Settings, repeats, what to measure before and how well, and what the runs will tell.
+    Plan or FurtherPlan
+        Settings, repeats, what to measure before and how well, and what the runs will tell; or
+        readings to make, and what is expected of them.
 
     Raises
     ------
@@ -280,6 +206,8 @@ def plan(
     >>> sheet.csv().splitlines()[:2]
     ['name,mechanism.compression [mm],travel [mm]', 'run 1,40,']
     """
+    if measurement is not None and is_further(mechanism, measurement):
+        return further_plan(select(mechanism, laws, measurement, vary=vary, route=route), readings)
     count = int(COUNT.check("plan", "settings", settings))
     if uncertainty is not None:
         uncertainty = READING.check("plan", "uncertainty", uncertainty)
@@ -298,9 +226,8 @@ def plan(
     trials = done or (_assumed(mechanism, start, t_end, error),)
     now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
     remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
-    asked_knob = all_paths(mechanism, "mechanism")[knob]
-    unit = asked_knob.unit
-    places = np.array([rounded_setting(item, unit) for item in np.linspace(*ends, count)])
+    turned = all_paths(mechanism, "mechanism")[knob]
+    places = np.array([rounded_setting(x, turned.unit) for x in np.linspace(*ends, count)])
     typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
     kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
     named = _first(kept)
@@ -313,28 +240,23 @@ def plan(
     )  # fmt: skip
     tellings = bench.tellings()
     repeats = max(LEAST, *(many or 0 for many in tellings.values()), 0)
+    repeats = min(repeats, max((readings or MOST * count) // len(places), 1))
     band = band_of(now.travels(places))
     expectations = {name: bench.estimates(name, repeats) for name in kept}
-    halves = [bench.half_widths(name, repeats)[-len(places) :] for name in kept]
-    expected = np.max(halves, axis=0)
+    expected = np.max([bench.half_widths(x, repeats)[-len(places) :] for x in kept], axis=0)
     rows = tuple(
         Separation(
-            path=knob,
-            symbol=asked_knob.symbol,
-            unit=unit,
-            value=float(place),
+            path=knob, symbol=turned.symbol, unit=turned.unit, value=float(place),
             predicted={name: float(travel[i]) for name, travel in travels.items()},
-            low=float(band.low[i]),
-            high=float(band.high[i]),
-            expected=float(expected[i]),
+            low=float(band.low[i]), high=float(band.high[i]), expected=float(expected[i]),
         )
         for i, place in enumerate(places)
-    )
+    )  # fmt: skip
     return Plan(
         mechanism=mechanism, laws=kept, reference=named, settings=rows, repeats=repeats,
         uncertainty=size, assumed=error is None, repeated=repeated, range_source=source,
-        preparations=bench.preparations(repeats, expectations[named][0]),
-        rest=otherwise(mechanism, kept[named], bench.share(repeats)), tellings=tellings, most=MOST,
+        preparations=bench.preparations(repeats),
+        tellings=tellings, most=MOST,
         expectations=expectations, from_trials=bool(done),
         remarks=(*remarks, *idle, *still),
     )  # fmt: skip
@@ -516,41 +438,29 @@ class _Bench:
         half = HALF * self._part(READINGS, 1.0, repeats)
         return {p: half / x for p, x in parts.items() if x * abs(known[p]) > THRESHOLDS.rounding}
 
-    def share(self, repeats: int, **changed: float) -> float:
-        """Return the standard uncertainty of the level over itself, with other parts of the rig."""
-        doubts = {READINGS: 1.0, **self.needed(repeats), **self.stated, **changed}
-        return math.hypot(*(self._part(path, x, repeats) for path, x in doubts.items()))
+    def preparations(self, repeats: int) -> tuple[Preparation, ...]:
+        """Return what to measure before, and how well."""
+        known = {path: (q, v) for path, q, v in parameters(self.now.mechanism, "mechanism")}
+        return tuple(
+            Preparation(
+                path=path, quantity=known[path][0], value=known[path][1], needed=needed,
+                stated=self.stated.get(path),
+            )
+            for path, needed in self.needed(repeats).items()
+        )  # fmt: skip
 
-    def preparations(self, repeats: int, level: Estimate) -> tuple[Preparation, ...]:
-        """Return what to measure before, and how well, for an interval of the level."""
-        mechanism = self.now.mechanism
-        known = {path: (q, v) for path, q, v in parameters(mechanism, "mechanism")}
-        # how far the spring is compressed at most, whatever is set
-        spring = "mechanism.compression"
-        moved = self.places if self._knob == spring else [known.get(spring, (None, 0.0))[1]]
-        largest = float(np.max(np.abs(moved)))
-        symbol = level.quantity.symbol
-        wide = level.half_width / level.value / self.share(repeats)
-        result = []
-        for path, needed in self.needed(repeats).items():
-            size = float(np.max(np.abs(self.places))) if path == self._knob else known[path][1]
-            rough, rest = ROUGH * abs(size), ""
-            if needed < rough:
-                wanted, got = (
-                    percent(wide * item)
-                    for item in (self.share(repeats), self.share(repeats, **{path: rough}))
-                )
-                rest = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
-                if got == wanted:  # as it is stated to 1 %, say
-                    rest += f"stays at ± {got} of the value."
-                else:
-                    rest += f"is ± {got} of the value instead of ± {wanted}."
-            made = Preparation(
-                path=path, quantity=known[path][0], value=known[path][1], needed=needed, rough=rest,
-                stated=self.stated.get(path), how=how_to(mechanism, path, needed, largest),
-            )  # fmt: skip
-            result.append(made)
-        return tuple(result)
+
+def is_further(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Return whether `select` says what to measure beside a measurement: it is no travel to rest.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> is_further(rig, Measurement(travel=0.2))
+    False
+    """
+    return driven_on(mechanism) or not measurement.records()[0].travelled
 
 
 def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:

@@ -67,7 +67,7 @@ from stickslip.identify.kinds.simulated import (
 from stickslip.identify.page import band_section
 from stickslip.identify.problems.travel_laws import top_speed
 from stickslip.identify.projection import TOLERANCE
-from stickslip.identify.propose import propose, within_band
+from stickslip.identify.propose import MOST, propose, within_band
 from stickslip.identify.simulated import FamilyDraws, Readable
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, all_paths, fields_of, parameters
@@ -303,7 +303,7 @@ class JudgedTravels(Readable):
         read = within_band(judgement.drawn_readings(settings))
         lasts = durations(judgement.at(settings), judgement.t_end)[inside]
         results = propose(
-            travels, read, judgement.noise(settings), taken=len(self.trials),
+            travels, read, judgement.noise(settings), taken=min(MOST, len(self.trials)),
             rest=(judgement.discrepancy * lasts) ** 2,
         )  # fmt: skip
         places = sorted(rounded_setting(float(settings[k]), self.unit) for k in results.places)

@@ -288,8 +288,8 @@ class VelocityStepKind(SimulatedKind):
         settings = [("speed", speed, speed, 1.0) for speed in sorted(speeds)]
         if again != begun:
             settings += [("stiffness", x * stiffness, again, x) for x in STIFFER]
-        rng = np.random.default_rng(13)
-        result = []
+        rng, result = np.random.default_rng(13), []
+        shares = [fit.posterior.shares[fit.name] for fit in fits]
         for name, value, speed, stiffer in settings:
             knots = np.cumsum([0.0, *(problem.way / np.array([begun, speed, begun]))])
             seen, last = list[Array](), dict[str, dict[str, float]]()
@@ -312,7 +312,7 @@ class VelocityStepKind(SimulatedKind):
                     last[fit.name] = {"coefficient": float(np.median(runs[ROWS - 1, works]))}
                     points = fit.family.points[chosen][works]
             if len(seen) == len(fits):  # where a slider runs away, there is no record
-                result.append(OtherSetting(name, value, last, width_after(points, seen)))
+                result.append(OtherSetting(name, value, last, width_after(points, seen, shares)))
         return tuple(sorted(result, key=lambda item: item.expected_width))
 
     def details(self, fit: AnyFit) -> Mapping[str, Any]:

@@ -44,7 +44,6 @@ from stickslip.show.report.shared_sections import opening as opening
 from stickslip.show.report.shared_sections import record_and_checks as record_and_checks
 from stickslip.show.report.shared_sections import reproduce as reproduce
 from stickslip.show.report.tables import Axis as Axis
-from stickslip.show.report.tables import Blank as Blank
 from stickslip.show.report.tables import Cell as Cell
 from stickslip.show.report.tables import Column as Column
 from stickslip.show.report.tables import Mark as Mark
@@ -58,7 +57,6 @@ from stickslip.show.report.tables import table_of as table_of
 __all__ = [
     "Animation",
     "Axis",
-    "Blank",
     "Block",
     "Caption",
     "Cell",

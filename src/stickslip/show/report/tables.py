@@ -298,25 +298,7 @@ class Name:
     aside: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Blank:
-    """A cell to write into by hand.
-
-    Parameters
-    ----------
-    what : str
-        What is written there, for who cannot see the line.
-
-    Examples
-    --------
-    >>> Blank(what="travel").what
-    'travel'
-    """
-
-    what: str
-
-
-Cell: TypeAlias = str | Number | Name | Blank | RowPlot
+Cell: TypeAlias = str | Number | Name | RowPlot
 """What a cell may hold; plain text has the markup of `stickslip.show.report.markup.inline`."""
 
 
@@ -363,7 +345,7 @@ class Row:
 
     Parameters
     ----------
-    cells : tuple of str, Number, Name, Blank or RowPlot
+    cells : tuple of str, Number, Name or RowPlot
         One for each column.
     chosen : bool
         Whether it is the model that the page recommends.
@@ -477,7 +459,7 @@ def table_of(
 
 def _cell(item: object) -> Cell:
     """Return a cell, in which what is not known is a dash."""
-    if isinstance(item, Number | Name | Blank | RowPlot):
+    if isinstance(item, Number | Name | RowPlot):
         return item
     return cell_text(item) or NO_VALUE
 
@@ -487,10 +469,7 @@ def _check(column: Column, cell: Cell) -> None:
         if cell.axis is None and column.axis is None:
             raise InputError(f"Table: the plots of column {column.head!r} have no axis.")
         return
-    if isinstance(cell, Number | Blank):
-        text = cell.value if isinstance(cell, Number) else cell.what
-    else:
-        text = cell.text if isinstance(cell, Name) else cell
+    text = cell if isinstance(cell, str) else cell.value if isinstance(cell, Number) else cell.text
     if not text.strip():
         raise InputError(
             f"Table: an empty cell in column {column.head!r}; say in words what is not known."
