@@ -280,7 +280,9 @@ def test_a_table_at_one_speed_tells_how_a_level_follows_the_load(way):
     friction = way * 0.3 * loads ** (2.0 / 3.0) * (1.0 + 0.02 * random.normal(size=24))
     table = Measurement(velocity=np.full(24, way * 0.01), friction=friction, load=loads)
     verdict = select(replace(AXIS, load=20.0), None, table)
-    assert [rung.family for rung in verdict.ladder] == [("level",)]  # no other part can be told at one speed
+    assert [rung.family for rung in verdict.ladder] == [
+        ("level",)
+    ]  # no other part can be told at one speed
     power = next(item for item in verdict.parameters if item.path == "load_exponent")
     assert power.low < 2.0 / 3.0 < power.high < power.low + 0.05
     drawing = verdict.drawing()

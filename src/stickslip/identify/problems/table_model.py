@@ -165,8 +165,6 @@ LEAST = 0.03
 """Least size of friction, over its root mean square, with which something grows."""
 FEW_SPEEDS = 3
 """Speeds of a direction from which it may differ from the other, and that tell all families."""
-LEVELS = ((), ("level",))
-"""Families of one speed."""
 ONE_WAY = 0.1
 """Part of the largest speed that a direction has at least, to differ from the other."""
 SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run", "run part")
@@ -439,11 +437,15 @@ def families_at(rows: Rows) -> list[Family]:
     >>> families_at(rows)
     [(), ('level',)]
     """
-    speeds = int(_grouped(np.log(rows.speed), NEAR).max()) + 1
-    every = [tuple(item.split()) for item in FAMILIES]
+    speeds, every = speeds_of(rows), [tuple(item.split()) for item in FAMILIES]
     if speeds >= FEW_SPEEDS:
         return every
-    return [x for x in every if parameters_of(x) <= speeds and (speeds > 1 or x in LEVELS)]
+    return [x for x in every if parameters_of(x) <= speeds - (speeds == 1 and x != ("level",))]
+
+
+def speeds_of(rows: Rows) -> int:
+    """Return the number of speeds that readings are at."""
+    return int(_grouped(np.log(rows.speed), NEAR).max()) + 1
 
 
 def law_column(column: Column, rows: Rows, frame: Frame) -> Array:

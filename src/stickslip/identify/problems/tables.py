@@ -58,7 +58,6 @@ from stickslip.identify.problems.table_model import (
     FEW_SPEEDS,
     FOLLOWS,
     JUMP,
-    LEVELS,
     MOST,
     MOST_ROWS,
     NEAR,
@@ -78,6 +77,7 @@ from stickslip.identify.problems.table_model import (
     is_break,
     is_ratio,
     law_column,
+    speeds_of,
     structures_of,
 )
 from stickslip.identify.projection import Rung, Shaped, names_of
@@ -810,10 +810,9 @@ class TableProblem(Problem):
     @property
     def over(self) -> str:
         """What friction was measured over at one speed: "load" or an input; else nothing."""
-        rows, frame = self.table.rows, self.model.frame
-        if families_at(rows) != [*LEVELS]:
+        if speeds_of(self.table.rows) > 1:
             return ""
-        return LOAD if frame.loaded else next(iter(frame.means), "")
+        return LOAD if self.model.frame.loaded else next(iter(self.model.frame.means), "")
 
     @property
     def _middle_speed(self) -> float:
