@@ -287,7 +287,8 @@ def test_a_table_at_one_speed_tells_how_a_level_follows_the_load(way):
     assert power.low < 2.0 / 3.0 < power.high < power.low + 0.05
     drawing = verdict.drawing()
     assert drawing.names == ("load", "friction")
-    assert np.all(drawing.band.low < drawing.law) and np.all(drawing.law < drawing.band.high)
+    assert np.all(drawing.band.low < drawing.law)
+    assert np.all(drawing.law < drawing.band.high)
     truth = way * 0.3 * drawing.speeds ** (2.0 / 3.0)
     assert np.all(np.abs(drawing.law - truth) < 0.03 * np.abs(truth))
 
@@ -299,7 +300,8 @@ def test_a_table_at_one_speed_in_both_directions_is_drawn_over_an_input():
     table = Measurement(velocity=v, friction=friction, inputs={"temperature": warm})
     verdict = select(AXIS, None, table)
     drawing = verdict.drawing()
-    assert drawing.names == ("temperature", "friction") and drawing.units[0] == "degC"
+    assert drawing.names == ("temperature", "friction")
+    assert drawing.units[0] == "degC"
     assert np.all(drawing.friction > 0.0)  # of both directions
     slope = next(item for item in verdict.parameters if item.path.endswith("temperature_slope"))
     assert slope.low < -0.008 / 1.24 < slope.high
