@@ -1041,6 +1041,8 @@ GUESSED = [
     ("t,x", "MU", {"position": "x", "force": None},
      {"doubts": ["with 10 s between samples: if it counts ms, give --unit time=ms",
                  "give --unit position=um"]}),
+    ("t;n", "tC", {"time": "t", "velocity": "n"},
+     {"doubts": ["m/s: if it is in rpm, give --unit velocity=rpm"]}),
     ("epoch;x;force", "ExF", {"time": "epoch", "position": "x", "force": "force"},
      {"reasons": {"time": "column 'epoch' in ms, as its numbers count from 1970;"}}),
     ("[ms] time;(mm) pos;[N] force", "txF", {"velocity": None},

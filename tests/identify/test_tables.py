@@ -267,11 +267,44 @@ def test_five_parameters_of_nine_readings_make_no_outliers():
         assert not select(AXIS, [Stribeck], table).judgement.outliers
 
 
-def test_a_table_of_few_speeds_is_refused():
-    loads = np.linspace(5.0, 60.0, 12)
-    table = Measurement(velocity=np.full(12, 0.1), friction=0.2 * loads, load=loads)
-    with pytest.raises(InputError, match=r"needs at least 3 speeds in one direction, and .* has 1"):
-        select(replace(AXIS, load=20.0), None, table)
+def test_a_table_at_one_speed_and_load_is_refused():
+    table = Measurement(velocity=np.full(12, 0.1), friction=2.0 + 0.1 * np.sin(np.arange(12.0)))
+    with pytest.raises(InputError, match=r"needs at least 3 speeds in one direction, or as many"):
+        select(AXIS, None, table)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_table_at_one_speed_tells_how_a_level_follows_the_load(way):
+    random, loads = np.random.default_rng(7), np.repeat([1.0, 2.0, 5.0, 10.0, 20.0, 50.0], 4)
+    random.shuffle(loads)
+    friction = way * 0.3 * loads ** (2.0 / 3.0) * (1.0 + 0.02 * random.normal(size=24))
+    table = Measurement(velocity=np.full(24, way * 0.01), friction=friction, load=loads)
+    verdict = select(replace(AXIS, load=20.0), None, table)
+    assert [rung.family for rung in verdict.ladder] == [
+        ("level",)
+    ]  # no other part can be told at one speed
+    power = next(item for item in verdict.parameters if item.path == "load_exponent")
+    assert power.low < 2.0 / 3.0 < power.high < power.low + 0.05
+    drawing = verdict.drawing()
+    assert drawing.names == ("load", "friction")
+    assert np.all(drawing.band.low < drawing.law)
+    assert np.all(drawing.law < drawing.band.high)
+    truth = way * 0.3 * drawing.speeds ** (2.0 / 3.0)
+    assert np.all(np.abs(drawing.law - truth) < 0.03 * np.abs(truth))
+
+
+def test_a_table_at_one_speed_in_both_directions_is_drawn_over_an_input():
+    random, warm = np.random.default_rng(8), np.tile(np.linspace(20.0, 45.0, 6), 4)
+    v = np.repeat([0.1, -0.1], 12)
+    friction = np.sign(v) * 5.0 * (1.0 - 0.008 * (warm - 30.0)) + 0.03 * random.normal(size=24)
+    table = Measurement(velocity=v, friction=friction, inputs={"temperature": warm})
+    verdict = select(AXIS, None, table)
+    drawing = verdict.drawing()
+    assert drawing.names == ("temperature", "friction")
+    assert drawing.units[0] == "degC"
+    assert np.all(drawing.friction > 0.0)  # of both directions
+    slope = next(item for item in verdict.parameters if item.path.endswith("temperature_slope"))
+    assert slope.low < -0.008 / 1.24 < slope.high
 
 
 def test_a_level_is_stated_at_the_usual_values_of_all_its_inputs():

@@ -315,6 +315,11 @@ class Problem(ABC):
     def points(self, rung: Rung) -> MeasuredPoints:
         """Return what a figure shows of the measurement beside a law."""
 
+    @property
+    def over(self) -> str:
+        """What friction was measured over at one speed: "load" or an input; else nothing."""
+        return ""
+
     @abstractmethod
     def curve_rows(self) -> Any:
         """Return rows through which a curve is drawn as a law: rising speeds of one direction."""

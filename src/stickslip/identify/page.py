@@ -90,15 +90,17 @@ def facts(verdict: Verdict) -> list[Fact]:
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
     """Return the figure of the readings, the band and the law."""
+    drawing = verdict.drawing()
+    over = drawing.names[0]
     text = (
         "**Friction.** Points: readings, hollow where they lie far from the others. Line:"
-        f" {verdict.closest.title}. Band: where friction lies with 95 % at each velocity, whichever"
+        f" {verdict.closest.title}. Band: where friction lies with 95 % at each {over}, whichever"
         " law holds, or none."
     )
-    if verdict.places:
+    if drawing.places:
         text += " Dotted: where further readings narrow the band most."
-    names = "Friction against velocity", "Friction over the speed"
-    return band_section(verdict.drawing(), *names, text, prefix)
+    heading = f"Friction over the {'speed' if over == 'velocity' else over}"
+    return band_section(drawing, f"Friction against {over}", heading, text, prefix)
 
 
 def band_section(

@@ -37,6 +37,7 @@ from stickslip.identify.wording import (
     usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Quantity, fields_of, parameters, turned
 from stickslip.show.formatting import Scale, interval, joined, number, with_unit
 
@@ -524,6 +525,8 @@ def drawing_of(
     def at(load: float | None) -> Array:
         return judgement.acting(problem.at(speeds, load))
 
+    if problem.over:  # at one speed
+        return _over_input(judgement, measurement, title)
     loads = [item for item in loads_apart(points.load) if item]
     by_load = {load: (judgement.band(problem.at(speeds, load)), at(load)) for load in loads}
     return BandDrawing(
@@ -536,6 +539,31 @@ def drawing_of(
         title=title,
         places=tuple(places),
         units=(measurement.unit("velocity"), measurement.unit("friction")),
+    )
+
+
+def _over_input(judgement: Judgement, measurement: Measurement, title: str) -> "BandDrawing":
+    """Return what a figure shows of readings at one speed, over the load or an input."""
+    from stickslip.identify.figures import BandDrawing  # loads matplotlib
+
+    problem, points, over = judgement.problem, judgement.measured(), judgement.problem.over
+    x = points.load if over == "load" else problem.table.rows.inputs[over]
+    spaced = np.geomspace if over == "load" else np.linspace
+    grid = spaced(x.min(), x.max(), len(problem.asked().velocity))
+    side = np.sign(points.velocity)
+    at = np.full(len(grid), float(np.median(np.abs(points.velocity)) * side[0]))
+    rows = problem.at(at, grid) if over == "load" else problem.at(at, None, {over: grid})
+    points = replace(points, velocity=x, friction=side * side[0] * points.friction)
+    unit = "N" if over == "load" else CONTACT_INPUTS[over].unit if over in CONTACT_INPUTS else ""
+    return BandDrawing(
+        **vars(replace(points, load=np.ones(len(x)))),
+        speeds=grid,
+        band=judgement.band(rows),
+        law=judgement.acting(rows),
+        title=title,
+        places=(),
+        units=(unit, measurement.unit("friction")),
+        names=(over, "friction"),
     )
 
 

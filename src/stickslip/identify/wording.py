@@ -96,6 +96,8 @@ def range_of(speeds: Array, unit: str) -> str:
     ('from 0.5 to 1 m/s in both directions', 'from 0.5 to 1 m/s')
     >>> range_of(np.array([-0.02, -0.01, 0.5, 1.0]), "m/s")
     'from −20 to −10 mm/s and from 0.5 to 1 m/s'
+    >>> range_of(np.array([0.5, 0.5]), "m/s")
+    'at 0.5 m/s'
     """
     sides = [side for side in (speeds[speeds < 0.0], speeds[speeds > 0.0]) if len(side)]
     ends = [(float(side.min()), float(side.max())) for side in sides]
@@ -103,8 +105,13 @@ def range_of(speeds: Array, unit: str) -> str:
         (high, low), other = (-ends[0][0], -ends[0][1]), ends[1]
         if max(abs(math.log(low / other[0])), abs(math.log(high / other[1]))) <= ALIKE:
             both = span(max(low, other[0]), min(high, other[1]), unit)
-            return f"from {both} in both directions"
-    return joined([f"from {span(low, high, unit)}" for low, high in ends])
+            return f"{_over(both)} in both directions"
+    return joined([_over(span(low, high, unit)) for low, high in ends])
+
+
+def _over(ends: str) -> str:
+    """Return a span with its preposition."""
+    return f"{'from' if ' to ' in ends else 'at'} {ends}"
 
 
 def band_sentence(

@@ -89,7 +89,7 @@ OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """Units that columns without one may have, by those of SI."""
 FAR: Final = 100.0
-"""Span of positions [m] or [rad] that columns without a unit hardly have."""
+"""Span of positions and velocities in SI units that columns without a unit hardly have."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -1646,16 +1646,16 @@ def _doubts(
 
 def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool) -> str:
     """Return what an assumed unit makes of a column, and the cure, where that is hardly true."""
-    numbers = _numbers(frame, one)
-    numbers = numbers[np.isfinite(numbers)]
+    numbers = (every := _numbers(frame, one))[np.isfinite(every)]
     if numbers.size < 2:
         return ""
     step, span = float(np.median(np.abs(np.diff(numbers)))), float(np.ptp(numbers))
     if quantity == "time" and step >= READING_INTERVAL:
         return f", with {number(step, 3)} s between samples: if it counts ms, give --unit time=ms"
-    if quantity == "position" and span > FAR:
-        unit, cure = ("rad", "deg") if turning else ("m", "um")
-        return f", over {number(span, 4)} {unit}: if it counts {cure}, give --unit position={cure}"
+    cures = {"position": ("um", "deg"), "velocity": ("rpm", "rpm")}
+    if quantity in cures and span > FAR:
+        unit, cure = meaning_of(quantity).units[-1 if turning else 0], cures[quantity][turning]
+        return f", over {number(span, 4)} {unit}: if it is in {cure}, give --unit {quantity}={cure}"
     return ""
 
 

@@ -302,8 +302,9 @@ class FreeBalance:
             else:
                 continue
             raise InputError(
-                f"the motion {why}: something drives it. Give the force, or the incline, stiffness"
-                " or length of the mechanism, or leave the part out in which it is driven."
+                f"the motion {why}: something drives it. Give the force, or the incline, constant"
+                " force (offset), stiffness or length of the mechanism, or leave the part out in"
+                " which it is driven."
             )
 
     @cached_property

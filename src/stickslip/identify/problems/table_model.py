@@ -45,7 +45,17 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.identify.vocabulary import DRY, FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid, levels_at
+from stickslip.identify.vocabulary import (
+    DRY,
+    FAMILIES,
+    PARTS,
+    PLACE,
+    SIGNED,
+    STEP,
+    Grid,
+    levels_at,
+    parameters_of,
+)
 from stickslip.units import factor
 
 Integers = NDArray[np.intp]
@@ -154,7 +164,7 @@ mean over more is not friction at the mean speed (error on other steps of the tr
 LEAST = 0.03
 """Least size of friction, over its root mean square, with which something grows."""
 FEW_SPEEDS = 3
-"""Speeds of a direction from which it may differ from the other."""
+"""Speeds of a direction from which it may differ from the other, and that tell all families."""
 ONE_WAY = 0.1
 """Part of the largest speed that a direction has at least, to differ from the other."""
 SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run", "run part")
@@ -415,6 +425,27 @@ def is_both_ways(rows: Rows) -> bool:
     if min(len(np.unique(side)) for side in sides) < FEW_SPEEDS:
         return False
     return min(float(side.max()) for side in sides) > ONE_WAY * float(rows.speed.max())
+
+
+def families_at(rows: Rows) -> list[Family]:
+    """Return the families of the vocabulary that speeds can tell: at one it is a level.
+
+    Examples
+    --------
+    >>> v, ones = np.full(4, 0.1), np.ones(4)
+    >>> rows = Rows(velocity=v, load=ones, inputs={}, run=np.zeros(4, int), order=ones)
+    >>> families_at(rows)
+    [(), ('level',)]
+    """
+    speeds, every = speeds_of(rows), [tuple(item.split()) for item in FAMILIES]
+    if speeds >= FEW_SPEEDS:
+        return every
+    return [x for x in every if parameters_of(x) <= speeds - (speeds == 1 and x != ("level",))]
+
+
+def speeds_of(rows: Rows) -> int:
+    """Return the number of speeds that readings are at."""
+    return int(_grouped(np.log(rows.speed), NEAR).max()) + 1
 
 
 def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
@@ -1085,7 +1116,7 @@ def fitted(
     """
     frame = Frame.of(readings)
     grid = Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
-    known = [tuple(item.split()) for item in FAMILIES] if families is None else [*families]
+    known = families_at(readings.rows) if families is None else [*families]
     grown, order = frame.grown(readings.rows), np.argsort(readings.rows.speed, kind="stable")
     over = running_medians(readings, grown)
     smooth = np.log(readings.rows.speed[order]), over[order]

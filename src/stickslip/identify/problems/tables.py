@@ -72,16 +72,17 @@ from stickslip.identify.problems.table_model import (
     break_column,
     compared,
     ends_of,
+    families_at,
     fitted,
     is_break,
     is_ratio,
     law_column,
+    speeds_of,
     structures_of,
 )
 from stickslip.identify.projection import Rung, Shaped, names_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
-    FAMILIES,
     FLOW_DIRECTIONS,
     PARTS,
     Grid,
@@ -195,7 +196,7 @@ class TableProblem(Problem):
         """
         table = readings_of(mechanism, measurement)
         # what is asked for need not hold: the truth is any law
-        usual = [tuple(item.split()) for item in FAMILIES]
+        usual = families_at(table.rows)
         known = [*dict.fromkeys([*usual, *map(parts_of, families or ())])]
         turning = measurement.turning
         fit, rests = fitted(table, known), table.at_rest
@@ -296,10 +297,11 @@ class TableProblem(Problem):
     def asked(self) -> Rows:
         """Return the rows over which the band is stated: each measured direction, at mean load."""
         v = self.table.rows.velocity
+        most = max(len(np.unique(item)) for item in (v[v < 0.0], v[v > 0.0]))
         grids = [
             np.sign(item[0]) * np.geomspace(np.abs(item).min(), np.abs(item).max(), ASKED)
             for item in (v[v < 0.0], v[v > 0.0])
-            if len(np.unique(item)) >= FEW_SPEEDS
+            if len(np.unique(item)) >= min(FEW_SPEEDS, most)
         ]
         return self.at(np.sort(np.concatenate(grids)))
 
@@ -410,7 +412,7 @@ class TableProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(item.split()) for item in FAMILIES]
+        known = families_at(self.table.rows)
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
         every, _ = structures_of(self.model.frame, self.grid, [item for item in known if item])
@@ -806,6 +808,13 @@ class TableProblem(Problem):
         return [item for item in result if item.probability > 0.5]
 
     @property
+    def over(self) -> str:
+        """What friction was measured over at one speed: "load" or an input; else nothing."""
+        if speeds_of(self.table.rows) > 1:
+            return ""
+        return LOAD if self.model.frame.loaded else next(iter(self.model.frame.means), "")
+
+    @property
     def _middle_speed(self) -> float:
         """Median of the velocities of a direction [m/s]."""
         rows = self.table.rows
@@ -879,7 +888,9 @@ class TableProblem(Problem):
         """Return rows through which a curve is drawn as a law."""
         frame = self.model.frame
         side = 1.0 if (self.table.rows.velocity > 0.0).any() else -1.0
-        return self.at(side * np.geomspace(frame.slowest, frame.fastest, POINTS))
+        return self.at(
+            side * np.geomspace(frame.slowest, max(frame.fastest, 1.001 * frame.slowest), POINTS)
+        )
 
     def errors(self, rows: Rows) -> tuple[Array, Array]:
         """Return the deviation of a reading of another run (n,), and what readings share (n, n).
@@ -1014,8 +1025,9 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
     if not _moves(rows):
         most = max(len(np.unique(rows.velocity[rows.direction == way])) for way in (-1.0, 1.0))
         raise InputError(
-            f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
-            f" and this table has {most}: measure friction at more speeds."
+            f"a law of friction needs at least {FEW_SPEEDS} speeds in one direction, or as many"
+            f" loads or values of an input, and this table has {most}: measure friction at more"
+            " speeds."
         )
     result = Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
     return replace(result, last=total - 1, at_rest=np.concatenate(rests))
@@ -1085,8 +1097,9 @@ def with_runs(rows: Rows) -> Rows:
 
 
 def _moves(rows: Rows) -> bool:
-    """Return whether there are several speeds in a direction."""
-    ways = [rows.velocity[rows.direction == way] for way in (-1.0, 1.0)]
+    """Return whether there are several speeds, loads or values of an input in a direction."""
+    along = [rows.load, *rows.inputs.values()]
+    ways = [x[rows.direction == way] for way in (-1.0, 1.0) for x in (rows.velocity, *along)]
     return max(len(np.unique(way)) for way in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
 
 
