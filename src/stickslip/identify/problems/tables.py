@@ -214,10 +214,9 @@ class TableProblem(Problem):
             moving = table.where(~np.isin(np.arange(len(table.friction)), slow))
             if _moves(moving.rows):
                 other = fitted(moving, known)
-                size = np.abs(np.median(np.abs(moving.friction)))
+                span = 2.0 * np.median(np.abs(moving.friction))
                 # if one is at rest, so are slower ones
-                rest_prior = math.log(REST_PRIOR) - len(slow) * math.log(2.0 * size)
-                if other.posterior.evidence + rest_prior > fit.posterior.evidence:
+                if other.evidence + math.log(REST_PRIOR / span ** len(slow)) > fit.evidence:
                     rests = np.append(rests, table.rows.velocity[slow])
                     table, fit = moving, other
         unsure = load_error_of(mechanism, measurement)
