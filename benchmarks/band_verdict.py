@@ -70,10 +70,9 @@ def handed_over(verdict: BandVerdict) -> HandedOver | None:
     law = bound(verdict.law, composed.inputs)
     force = np.array([float(law.steady(v, composed.normal())) for v in rows.velocity.tolist()])
     force += offset_beside(verdict)
-    return HandedOver(
-        off=float(np.quantile(np.abs(force - target.middle) / target.size, PLACES)),
-        stated=max(verdict.closest.distance, judgement.tolerance),
-    )
+    off = float(np.quantile(np.abs(force - target.middle) / target.size, PLACES))
+    stated = max(verdict.closest.distance, judgement.tolerance)
+    return HandedOver(off=round(off, 12), stated=round(stated, 12))  # rounding is no difference
 
 
 def offset_beside(verdict: BandVerdict) -> float:
