@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from typing_extensions import override
 
-from benchmarks.band_truths.rig import Array, Points, Rig
+from benchmarks.band_truths.rig import Array, Curve, Points, Rig
 from stickslip import Measurement, select
 from stickslip.friction import bound
 from stickslip.identify import BandVerdict
@@ -18,7 +18,7 @@ from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.problems.tables import TableProblem, readings_of
-from stickslip.identify.projection import PLACES, Target
+from stickslip.identify.projection import PLACES, Projector, Target, is_signed, names_of
 from stickslip.identify.propose import widths_of_another
 
 MOST_MOTIONS = 4
@@ -70,10 +70,9 @@ def handed_over(verdict: BandVerdict) -> HandedOver | None:
     law = bound(verdict.law, composed.inputs)
     force = np.array([float(law.steady(v, composed.normal())) for v in rows.velocity.tolist()])
     force += offset_beside(verdict)
-    return HandedOver(
-        off=float(np.quantile(np.abs(force - target.middle) / target.size, PLACES)),
-        stated=max(verdict.closest.distance, judgement.tolerance),
-    )
+    off = float(np.quantile(np.abs(force - target.middle) / target.size, PLACES))
+    stated = max(verdict.closest.distance, judgement.tolerance)
+    return HandedOver(off=round(off, 12), stated=round(stated, 12))  # rounding is no difference
 
 
 def offset_beside(verdict: BandVerdict) -> float:
@@ -115,7 +114,9 @@ class Judged:
         told = [finding.term for finding in self.verdict.findings if finding.asserted]
         own = told if rig.kind == "tables" else []
         memory = ["memory"] if getattr(self.verdict.judgement.problem, "memory", "") else []
-        self.family = (*self.verdict.family, *own, *memory)
+        # where friction is not told from zero, the law that is closest is not recommended
+        named = self.verdict.family if self.verdict.judgement.is_told else ()
+        self.family = (*named, *own, *memory)
         self.set = [(*item, *own, *memory) for item in self.verdict.set]
         self.gain = self.verdict.judgement.named.distance
         self.known = self.verdict.judgement.known
@@ -157,6 +158,25 @@ class Judged:
         return np.asarray(
             self.verdict.named_curve(points.velocity, points.load, points.inputs or None)
         )
+
+    def nearest(self, curves: Sequence[Curve]) -> Mapping[str, float]:
+        """Return parameters of the law named for a table, laid through the mean of true curves.
+
+        By path; they are what an interval of that law is of, where it is not the true one.
+        """
+        if self.rig.kind not in ("tables", "maps") or not curves or not self.verdict.family:
+            return {}
+        judgement, problem = self.verdict.judgement, self.verdict.judgement.problem
+        structure = judgement.named.structure
+        rows, weights = problem.metric(problem.places(), judgement.target.allowed)
+        at = Points(velocity=rows.velocity, load=rows.load, inputs=dict(rows.inputs))
+        free, begin = problem.free(judgement.named)
+        positive = np.array([not is_signed(name) for name in names_of(structure)])
+        laid = Projector(lambda x: problem.design(x, rows), free, weights, positive)
+        curve = np.mean([curve(at) for curve in curves], axis=0, keepdims=True)
+        coefficients, shaped = laid(curve, [structure, *begin])
+        composed = problem.composition(problem.tied(shaped), coefficients, offset=judgement.offset)
+        return {path: float(np.ravel(x)[0]) for path, x in composed.paths().items()}
 
     def inside(self, record: Measurement) -> float:
         """Return the share of the readings of another record within their band."""

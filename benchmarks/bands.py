@@ -10,8 +10,9 @@ Measured of a rig: whether the band holds the true steady friction point by poin
 beyond the measured speeds; its half-width over the noise; the probability of a new reading to lie
 in the bands of readings; whether the named law is the true one, or predicts as well (root mean
 square error at most 1.25 times that of the true structure fitted by least squares, or half the
-noise); whether the set holds the true family; intervals over all laws; and after the advised
-readings, drawn from the truth, whether the mean width has halved or one family is left.
+noise); whether the set holds the true family; intervals over all laws; those of the named law,
+which on tables are of that law laid through the true curve where it is not the true law; and after
+the advised readings, drawn from the truth, whether the mean width has halved or one family is left.
 
 *False statements*: a bounded interval over all laws that misses its true value by more than half
 its width; a fault, and on records any property of the rig, that is named without doubt and is not
@@ -159,7 +160,12 @@ def _share(band: Any, true: Sequence[Array], scatter: Array) -> float:
 
 
 def _intervals(rig: Rig, verdict: Judged) -> list[dict[str, Any]]:
-    """Return the intervals of parameters whose true value is known."""
+    """Return the intervals of parameters whose true value is known.
+
+    Those of a named law that is not the true one are of that law laid through the true curve.
+    """
+    is_true = _named(verdict.family) == rig.family
+    nearest = {} if is_true else verdict.nearest(rig.curves)
     result = []
     for parameter in verdict.parameters:
         true = rig.parameters.get(parameter.path.rpartition(".")[2])
@@ -172,7 +178,8 @@ def _intervals(rig: Rig, verdict: Judged) -> list[dict[str, Any]]:
         miss = max(low - true, true - high, 0.0) / half if bounded else 0.0
         result.append({
             "path": parameter.path, "bounded": bounded, "any": low <= true <= high, "miss": miss,
-            "law": bool(parameter.low <= true <= parameter.high), "width": half / abs(true or 1.0),
+            "law": bool(parameter.low <= nearest.get(parameter.path, true) <= parameter.high),
+            "width": half / abs(true or 1.0),
         })  # fmt: skip
     return result
 

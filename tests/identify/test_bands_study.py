@@ -37,6 +37,24 @@ def test_a_band_that_misses_the_truth_by_three_noises_is_a_false_statement():
     assert len(list(bands._false(None, row))) == 3
 
 
+def test_intervals_of_a_wrong_law_are_of_that_law_laid_through_the_true_curve():
+    rig = bands.tables.drawn(4, 730519).with_(more=None)
+    row = bands.rated(rig, 0)
+    assert row["named"] == "level+stribeck"  # without the viscous part that is there
+    level = row["intervals"][0]
+    verdict = bands.judged(rig)
+    (interval,) = (x for x in verdict.parameters if x.path == level["path"])
+    assert interval.high_any > rig.parameters["kinetic_coefficient"]
+    assert interval.low > rig.parameters["kinetic_coefficient"]
+    assert level["law"]
+
+
+def test_a_table_that_does_not_tell_friction_from_zero_names_no_law():
+    row = bands.rated(bands.tables.drawn(44, 730519).with_(more=None), 0)
+    assert row["named"] == ""
+    assert row["right"]
+
+
 @pytest.mark.parametrize("kind", bands.KINDS)
 @pytest.mark.parametrize("number", range(8))
 def test_rigs_depend_on_seed_and_number_alone_and_know_their_friction(kind, number):

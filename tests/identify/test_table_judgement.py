@@ -248,6 +248,28 @@ def test_a_joint_with_rows_at_rest_is_named_as_its_publishers_name_it():
     assert found.known < 0.01
 
 
+def test_slow_readings_at_rest_do_not_take_moving_ones_with_them():
+    u = 0.0837 * np.arange(1, 13) / 12
+    v = np.concatenate([-u[::-1], u, [-8.4e-6, 1.7e-6, 2.5e-5]])
+    read = np.sign(v) * (1.27 + 21.2 * np.abs(v))
+    read += 0.018 * np.random.default_rng(6).normal(size=27)
+    read[-3:] = 1.08, 0.6, 0.1
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=read)))
+    # the slowest moving readings are less than .8 of those at the next five speeds, too
+    assert isinstance(found.problem, TableProblem)
+    assert sorted(found.problem.rests.tolist()) == [-8.4e-6, 1.7e-6, 2.5e-5]
+    assert found.named.family == ("level", "viscous")
+
+
+def test_readings_at_one_speed_share_less_than_a_tenth_of_friction():
+    random = np.random.default_rng(1)
+    v, read = 0.1 + 3e-4 * random.normal(size=20), 2.0 + 0.02 * random.normal(size=20)
+    found = Judgement(TableProblem.of(AXIS, Measurement(velocity=v, friction=read)))
+    # one block does not tell what it shares, of which the prior is half-normal with a tenth
+    assert found.named.family == ("level",)
+    assert 0.02 < found.known < 0.12
+
+
 def test_repeats_of_a_specimen_are_no_independent_evidence():
     table, true = repeated(np.random.default_rng([7, 1]))
     found = Judgement(TableProblem.of(AXIS, table))

@@ -109,7 +109,7 @@ BELOW_NOISE = 0.7
 REST = 0.8
 """Part of the friction at the next speeds below which a slow reading may be one at rest ..."""
 REST_PRIOR = 0.05
-"""... and the prior of each: friction of a body at rest is anything up to its break-away."""
+"""... and the prior that these are: friction at rest is anything up to the break-away."""
 BESIDE_SLOWEST = 5
 """Readings at the next speeds with which slow ones are compared."""
 MOST_RESTS = 4
@@ -215,9 +215,9 @@ class TableProblem(Problem):
             moving = table.where(~np.isin(np.arange(len(table.friction)), slow))
             if _moves(moving.rows):
                 other = fitted(moving, known)
-                size = np.abs(np.median(np.abs(moving.friction)))
-                rest_prior = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
-                if other.posterior.evidence + rest_prior > fit.posterior.evidence:
+                span = 2.0 * np.median(np.abs(moving.friction))
+                # if one is at rest, so are slower ones
+                if other.evidence + math.log(REST_PRIOR / span ** len(slow)) > fit.evidence:
                     rests = np.append(rests, table.rows.velocity[slow])
                     table, fit = moving, other
         unsure = load_error_of(mechanism, measurement)
@@ -439,8 +439,7 @@ class TableProblem(Problem):
         """Return whether a family is one that is asked for; an offset may stand beside any."""
         if self.families is None:
             return True
-        own = {*family} - {"offset"}
-        return any({*item} - {"offset"} == own for item in self.families)
+        return {*family} - {"offset"} in [{*item} - {"offset"} for item in self.families]
 
     def _count(self, structures: Sequence[Structure] | Mapping[Structure, None]) -> int:
         """Return the number of parameters of a family of laws."""
@@ -1148,15 +1147,20 @@ def sweeps_of(velocity: Array) -> "NDArray[np.intp]":
 
 
 def slow_rows(table: Readings) -> "NDArray[np.intp]":
-    """Return the slowest rows of each direction whose friction is below that at the next speeds."""
+    """Return the slowest rows of each direction whose friction is below that at the next speeds.
+
+    Speeds of a body at rest are noise, so that of several numbers of such rows that is taken after
+    which the speed rises most.
+    """
     rows, result = table.rows, list[int]()
     for way in (-1.0, 1.0):
         at = np.flatnonzero(rows.direction == way)
         at = at[np.argsort(rows.speed[at], kind="stable")]
-        size = np.abs(table.friction[at])
-        for count in range(min(MOST_RESTS, len(at) - BESIDE_SLOWEST), 0, -1):
-            bound = REST * np.median(size[count : count + BESIDE_SLOWEST])
-            if np.all(size[:count] < bound):
-                result += at[:count].tolist()
-                break
+        size, rises = np.abs(table.friction[at]), np.diff(np.log(rows.speed[at]))
+        below = [
+            count
+            for count in range(1, 1 + min(MOST_RESTS, len(at) - BESIDE_SLOWEST))
+            if np.all(size[:count] < REST * np.median(size[count : count + BESIDE_SLOWEST]))
+        ]
+        result += at[: max(below, key=lambda count: rises[count - 1], default=0)].tolist()
     return np.array(sorted(result), dtype=np.intp)
