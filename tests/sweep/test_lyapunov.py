@@ -20,6 +20,9 @@ from stickslip.study.sweep import (
     orbit_diagram,
     periodic_orbit,
 )
+from stickslip.study.sweep.continuation import within
+from stickslip.study.sweep.orbit_diagrams import Search
+from stickslip.study.sweep.orbits import return_map
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 RUBS = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
@@ -241,6 +244,18 @@ def test_a_chaotic_transient_counts_until_it_has_ended():
     later = lyapunov_exponents(rig, RUBS, settle=0, cycles=600)
     assert later.kind == "periodic"
     assert later.largest < 0.0
+
+
+def test_neighbours_of_a_motion_begin_where_it_was_taken_up_last():
+    map_ = return_map(CHAOTIC, RUBS, 1, None, EventDriven(tier="compiled"), FREQUENCY)
+    between, noise = (11.5, 14.0), np.random.default_rng(0)
+    search = Search(within(map_, between), between, 4, 150, 0.02, noise, {}, 0.1)
+    search.run(13.6, search.starts(13.6, 1, from_beginning=True))
+    # after 37 and 74 cycles it does not close well enough, and each look takes 8 cycles
+    last = 150 - 82 + 8
+    assert search.brute_cycles == 82 + 2 * last
+    assert search.chaotic == [True]
+    assert search.spreads[0][0] > 1e-5
 
 
 def test_sweeps_diagrams_and_campaigns_mark_chaos_and_nothing_else(tmp_path):

@@ -1082,9 +1082,10 @@ class Curve:
         value = there.shot.value
         # by far the most chords lie at other values of the parameter
         ends = trail[:, -1:].ravel()
-        low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
-        wide = BESIDE * (high - low + MOST_STEP * (self.high - self.low))
-        at = np.flatnonzero((low - wide <= value) & (value <= high + wide))
+        a, b = ends[:-1], ends[1:]
+        wide = BESIDE * MOST_STEP * (self.high - self.low)
+        off = np.abs(value - 0.5 * (a + b))
+        at = np.flatnonzero(off <= (0.5 + BESIDE) * np.abs(b - a) + wide)
         if not len(at):
             return None
         begins = trail[at] / self.scale

@@ -126,8 +126,8 @@ class OrbitDiagram(OnAxes, Tabular):
     settled: NDArray[np.int64]
     """After how many cycles each settled run closes (m,), 0 if it does not."""
     spreads: Mapping[str, Array]
-    """By how much `velocities` of runs that do not close (m,) differ from starts 1e-9 of their size
-    apart; NaN of others."""
+    """By how much `velocities` of runs that do not close (m,) differ from those of runs 1e-9 of
+    their size apart at about half of the cycles; NaN of others."""
     chaotic: NDArray[np.bool_]
     """Whether each settled run is chaotic (m,), as in `average_velocity`."""
     status: NDArray[np.object_]
@@ -526,7 +526,7 @@ class Search:
 
         Runs that close sooner by far are not run on.
         """
-        keep, early, begun = 2 * self.cycles, self.settle // EARLY, columns
+        keep, early = 2 * self.cycles, self.settle // EARLY
         rows, count = np.arange(len(next(iter(columns.values())))), 0
         samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
         ways = np.full((len(rows), len(self.map.moving)), np.nan)
@@ -536,7 +536,8 @@ class Search:
             tolerance = ALIKE if share == EARLY else ALIKE / SOONER
             settle = max((self.settle if share == EARLY else share * early) - count, 0)
             count += settle + keep
-            points, ways[rows], status[rows] = self.sampled(value, columns, settle)
+            begun = columns
+            points, ways[rows], status[rows] = self.sampled(value, begun, settle)
             samples[rows] = points
             self.brute_cycles += len(rows) * (settle + keep)
             whole = np.isfinite(points).all(axis=(1, 2))
@@ -552,24 +553,19 @@ class Search:
             if not len(rows):
                 break
             columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
-        rows = np.flatnonzero(np.isfinite(samples).all(axis=(1, 2)) & (closed == 0))
         spreads, chaotic = np.full_like(ways, np.nan), np.zeros(len(samples), dtype=bool)
         if len(rows):
             scale = np.maximum(self.sizes, np.abs(samples[rows]).max(axis=(0, 1)))
             stopped = {f"initial.{stop.coordinate}" for stop in stops_of(self.map.mechanism)}
             near = {
-                path: column[rows] + ROUNDING * size * (path not in stopped)
+                path: column[going] + ROUNDING * size * (path not in stopped)
                 for (path, column), size in zip(begun.items(), scale, strict=True)
             }
-            points, others, _ = self.sampled(value, near, count - keep)
-            same, means = samples[rows], ways[rows]
-            if self.map.section is not None:  # the same pass of both, counted from the start
-                again = {path: column[rows] for path, column in begun.items()}
-                same, means, _ = self.sampled(value, again, count - keep)
-            self.brute_cycles += len(rows) * count * (1 if self.map.section is None else 2)
-            spreads[rows] = np.abs(others - means)
+            points, others, _ = self.sampled(value, near, settle)
+            self.brute_cycles += len(rows) * (settle + keep)
+            spreads[rows] = np.abs(others - ways[rows])
             size = np.where(scale > 0.0, scale, np.finfo(float).tiny)
-            gaps = (np.abs(points - same) / size).max(axis=(1, 2)) / ROUNDING
+            gaps = (np.abs(points - samples[rows]) / size).max(axis=(1, 2)) / ROUNDING
             chaotic[rows] = have_left(gaps)
             # exponents are those of cycles of a known length
             for row in rows[~chaotic[rows]].tolist() if self.map.section is None else ():

@@ -603,9 +603,9 @@ class ReturnMap:
         return tuple(self.states[i] for i in self.free)
 
     @cached_property
-    def kept(self) -> list[int]:
+    def kept(self) -> NDArray[np.intp]:
         """Indices of the states that are solved for, then of those on which nothing depends."""
-        return [*self.free, *self.moving]
+        return np.array([*self.free, *self.moving], dtype=np.intp)
 
     @cached_property
     def slot(self) -> int:
@@ -791,7 +791,8 @@ class ReturnMap:
 
     def seen(self, mechanism: Mechanism, run: BareRun, times: Array) -> Array:
         """Return the states of a run at times (n,), less what they are carried along."""
-        return np.asarray(run.at(times) - times[:, None] * self.speeds(mechanism))
+        states: Array = run.at(times)
+        return states - times[:, None] * self.speeds(mechanism) if mechanism.carried() else states
 
     def settled(self, owner: str, begin: Sequence[float], cycles: int) -> Array:
         """Return the free states after a number of cycles from all states."""
