@@ -134,7 +134,8 @@ def told_links(
 
     First the largest set of independent slopes, by pivoted QR; what the others would do to the
     forces, these do. Then those that are hardly other than described are left as they are, the
-    least certain first, until all are certain and the mass matrix is positive in all poses.
+    least certain first, until all are certain. The robot is on the way there, as far as the mass
+    matrix is positive in all poses.
 
     Sources: M. Gautier, "Numerical calculation of the base inertial parameters of robots", 1991;
     C. M. Pham, M. Gautier, "Essential parameters of robots", 1991.
@@ -164,17 +165,19 @@ def told_links(
     triangle = np.asarray(
         np.linalg.qr(np.vstack([_rows(part) for part in parts]), mode="r"), dtype=float
     )
-    poses = _poses(robot, measurement)
     kept, values = list(range(len(told))), dict[str, float]()
     while kept:
         result, errors = _solved(triangle, kept, len(told))
         certain = np.abs(result) / errors
         least = int(np.argmin(certain))
         values = dict(zip((paths[told[i]] for i in kept), result.tolist(), strict=True))
-        if certain[least] > SURE and _is_consistent(robot, values, poses):
+        if certain[least] > SURE:
             break
         del values[paths[told[kept[least]]]], kept[least]
-    return _moved(robot, values), tuple(path for path in paths if path in values)
+    poses, about = _poses(robot, measurement), values
+    while not _is_consistent(robot, about, poses):  # which forces, linear in them, need not be
+        about = {path: 0.5 * value for path, value in about.items()}
+    return _moved(robot, about), tuple(path for path in paths if path in values)
 
 
 def _rows(part: Reduced) -> Array:
