@@ -28,7 +28,8 @@ r"""Records of several joints: the balance of each is a record of one coordinate
 
    The size of zeros is that with the largest marginal likelihood. Columns of a joint are the axes
    of the covariance by all other joints (`at`), as its own rows count in its own posterior: of
-   combinations that the motion does not tell apart, each alone is unknown, and their sum is not. Another measurement has zeros that nothing tells.
+   combinations that the motion does not tell apart, each alone is unknown, and their sum is not.
+   Another measurement has zeros that nothing tells.
 4. **Band.** Balances have rows for all these columns: of a short record, more for each second.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
@@ -335,15 +336,6 @@ def reduced_of(records: JointRecords, held: bool, paths: Sequence[str]) -> "list
     ]
 
 
-def weighed(parts: "Sequence[Reduced]") -> "list[Reduced]":
-    """Return balances with the noise that parameters leave which may be anything."""
-    result = list(parts)
-    for _ in range(ROUNDS):
-        told = _told(result, _usual(result))
-        result = [item.weighed(told) for item in result]
-    return result
-
-
 def _usual(parts: "Sequence[Reduced]") -> Array:
     """Return standard deviations of parameters before any balance (p,)."""
     return np.asarray(LOOKED_FOR * np.min([part.usual for part in parts], axis=0))
@@ -541,9 +533,8 @@ class _Piece:
         external = self._external(name, place, v)
         if external is not None:  # of what is measured friction is a part
             inputs |= gear_torques(
-                v[:, i], self.force[:, i], taken[:, i], external, 2.0 * step * band,
-                unknown=[*slopes[:, i, : len(torques.linear)].T],
-            )  # fmt: skip
+                v[:, i], self.force[:, i], taken[:, i], external, 2.0 * step * band
+            )
         return replace(
             record,
             mechanism=inertia * a[:, i] - taken[:, i],
