@@ -11,7 +11,7 @@ from stickslip.data import catalogue
 from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError
 from stickslip.identify.problems.joints import JointRecords
-from stickslip.identify.problems.links import JointBalances, told_links
+from stickslip.identify.problems.links import told_links
 from stickslip.mechanisms import Robot, RobotJoint, read_urdf
 
 DESK = files("stickslip.mechanisms") / "desk_arm.urdf"
@@ -85,16 +85,6 @@ def test_two_links_in_a_plane_have_seven_base_parameters_however_certain(noise):
     _, told = told_links(other, record, held=False, zeros=False)
     assert len(told) == 7
     assert sum("moment" in path for path in told) == 4
-
-
-def test_rows_of_a_joint_count_once_in_what_is_told_of_its_links():
-    robot, record = planar(), excited(planar(), 1, noise=0.02)
-    free, told = told_links(robot, record, held=False, zeros=False)
-    links = JointBalances.of(free, record, told, held=False, zeros=False).links
-    turns = told.index("mechanism.joints.1.added_armature")  # mostly in the balance of b
-    errors = [np.linalg.norm(x.root[turns]) for x in (links.told, *links.beside.values())]
-    assert links.beside.keys() == {"a", "b"}
-    assert errors[0] < errors[1] < 1.5 * errors[0] < 0.5 * errors[2]
 
 
 def test_what_a_gear_transmits_does_not_depend_on_what_is_looked_for():

@@ -1,6 +1,5 @@
 """Torques through the gear of one coordinate along its records, for laws that depend on them."""
 
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls

@@ -27,9 +27,8 @@ r"""Records of several joints: the balance of each is a record of one coordinate
              \qquad \Lambda = Q^{-1} + \sum_i \kappa_i U_i^T U_i / \sigma_i^2 .
 
    The size of zeros is that with the largest marginal likelihood. Columns of a joint are the axes
-   of the covariance by all other joints (`at`), as its own rows count in its own posterior: of
-   combinations that the motion does not tell apart, each alone is unknown, and their sum is not.
-   Another measurement has zeros that nothing tells.
+   of that covariance (`at`): of combinations that the motion does not tell apart, each alone is
+   unknown, and their sum is not. Another measurement has zeros that nothing tells.
 4. **Band.** Balances have rows for all these columns: of a short record, more for each second.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
@@ -161,9 +160,9 @@ class JointRecords:
         Forces may be `held` until the next sample. Records of another measurement (`again`) have
         zeros that nothing tells.
         """
-        count, zeros = len(links.paths), self.zeros
+        count, zeros, told = len(links.paths), self.zeros, links.told
 
-        def moved(one: Record, number: int, told: Told) -> Record:
+        def moved(one: Record, number: int) -> Record:
             assert one.mechanism is not None
             own = () if again else zeros
             first = count + len(zeros) * number
@@ -180,10 +179,7 @@ class JointRecords:
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
         return {
-            name: [
-                moved(item, k, links.beside[name])
-                for item, k in zip(own, self.numbers[name], strict=True)
-            ]
+            name: [moved(item, k) for item, k in zip(own, self.numbers[name], strict=True)]
             for name, own in self.records.items()
         }
 
@@ -263,8 +259,6 @@ class Links:
     """Parameters that are looked for."""
     told: Told
     """What is told of them, and of zeros."""
-    beside: Mapping[str, Told]
-    """The same by the balances of all other joints, by coordinate: its own rows count once."""
     zero: float
     """Standard deviation of the zeros [rad] or [m]."""
     lost: tuple[str, ...]
@@ -318,10 +312,6 @@ def links_of(
         doubts=doubts,
         paths=paths,
         told=told,
-        beside={
-            part.name: _told([item for item in parts if item is not part], prior(zero))
-            for part in parts
-        },
         left=max(part.left(told) for part in parts),
         zero=zero,
         lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
