@@ -445,7 +445,7 @@ def plain_rows(rows: Rows) -> dict[str, Array]:
 
 
 def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, Balance]]:
-    """Return balances of both parts by joint, with what is looked for of the mechanism as given."""
+    """Return balances of both parts by joint, with the links that those of the first part tell."""
     settings = case.settings or RecordSettings()
     zeros, held = bool(settings.position_zeros), settings.hold != "first"
     mechanism, unknown = case.mechanism, [*case.unknown]
@@ -459,13 +459,12 @@ def joint_balances(case: Case, other: Measurement) -> dict[str, tuple[Balance, B
         request.mechanism, case.first, request.linear, held=held, zeros=zeros
     )
     first, second = balances.records, balances.made(other)
+    own = first.at(balances.links, held=held)
+    rest = second.at(balances.links, held=held, again=True)
     result = {}
-    for name in first.records.keys() & second.records.keys():
-        own, rest = (
-            [replace(item, held=held) for item in x.records[name]] for x in (first, second)
-        )
-        balance = Balance(own, highest=first.widest)
-        result[first.contacts[name]] = balance, Balance(rest, like=balance)
+    for name in own.keys() & rest.keys():
+        balance = Balance(own[name], highest=first.widest)
+        result[first.contacts[name]] = balance, Balance(rest[name], like=balance)
     return result
 
 

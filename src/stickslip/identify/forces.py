@@ -65,8 +65,6 @@ class Unknown:
     along: Mapping[str, float] = field(default_factory=dict)
     """What a unit of it changes, by path: that of one standard deviation where runs told it; none
     of a parameter that changes alone, by its unit."""
-    estimated: bool = False
-    """Whether its doubt is that of an estimate from the same rows, with those of other joints."""
     bent: bool = False
     """Whether forces are not linear in what is looked for: the column is their slope where it
     counts from."""

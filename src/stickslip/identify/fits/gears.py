@@ -1,7 +1,5 @@
 """Torques through the gear of one coordinate along its records, for laws that depend on them."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
@@ -116,7 +114,6 @@ def gear_torques(
     passed: float,
     *,
     within: Array | float = 0.0,
-    unknown: Sequence[Array] = (),
     weighs: bool = False,
 ) -> dict[str, Array]:
     """Return the torque of a motor (n,), and what its gear transmits of it.
@@ -125,9 +122,9 @@ def gear_torques(
 
     The motor's is what the motion takes, with friction that grows with either torque or a square:
     of the measured one friction is a part, so that it would explain whatever friction there is.
-    What of it the motion itself makes, as back-EMF does, is `within` it and in `taken`. Of each of
-    the `unknown` forces of the motion a coefficient is found, and of a constant one. That is of the
-    sensor, or it `weighs`: it is then an external force, and the motor works against it.
+    What of it the motion itself makes, as back-EMF does, is `within` it and in `taken`. A constant
+    force is found beside them. It is of the sensor, or it `weighs`: it is then an external force,
+    and the motor works against it.
 
     Examples
     --------
@@ -143,15 +140,12 @@ def gear_torques(
     for _ in range(ROUNDS):  # the torque that a gear transmits has its friction in it
         loads = np.column_stack([np.abs(transmitted), np.abs(motor), transmitted**2])
         rubs = np.column_stack([ways, velocity, ways[:, None] * loads])
-        others = np.column_stack([np.ones_like(ways), *unknown])
-        seen = smoothed(np.column_stack([left, rubs, others]), passed)
-        signed = seen[:, -others.shape[1] :]
-        values, _ = nnls(np.column_stack([seen[:, 1:], -signed]), seen[:, 0])
-        friction, rest = np.split(values, [rubs.shape[1]])
-        constant, *forces = np.subtract(*np.split(rest, 2)).tolist()
-        weight = constant if weighs else 0.0
+        ones = np.ones_like(ways)
+        seen = smoothed(np.column_stack([left, rubs, ones, -ones]), passed)
+        *friction, more, less = nnls(seen[:, 1:], seen[:, 0])[0].tolist()
+        weight = more - less if weighs else 0.0
         before = motor
-        motor = taken + within + weight + rubs @ friction + others[:, 1:] @ np.array(forces)
+        motor = taken + within + weight + rubs @ friction
         transmitted = motor - external + weight
         if np.linalg.norm(motor - before) <= SETTLED * np.linalg.norm(motor):
             break

@@ -174,7 +174,7 @@ class JointRecords:
             unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
             name = "links." if count else ZERO
             for k, x in enumerate(axes.T):
-                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0, estimated=True)
+                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0)
             mechanism = one.mechanism + slopes @ told.mean[at]
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
@@ -324,15 +324,6 @@ def reduced_of(records: JointRecords, held: bool, paths: Sequence[str]) -> "list
         Reduced.of([replace(item, held=held) for item in own], records, name, paths)
         for name, own in records.records.items()
     ]
-
-
-def weighed(parts: "Sequence[Reduced]") -> "list[Reduced]":
-    """Return balances with the noise that parameters leave which may be anything."""
-    result = list(parts)
-    for _ in range(ROUNDS):
-        told = _told(result, _usual(result))
-        result = [item.weighed(told) for item in result]
-    return result
 
 
 def _usual(parts: "Sequence[Reduced]") -> Array:
@@ -532,9 +523,8 @@ class _Piece:
         external = self._external(name, place, v)
         if external is not None:  # of what is measured friction is a part
             inputs |= gear_torques(
-                v[:, i], self.force[:, i], taken[:, i], external, 2.0 * step * band,
-                unknown=[*slopes[:, i, : len(torques.linear)].T],
-            )  # fmt: skip
+                v[:, i], self.force[:, i], taken[:, i], external, 2.0 * step * band
+            )
         return replace(
             record,
             mechanism=inertia * a[:, i] - taken[:, i],

@@ -3,8 +3,7 @@
 Of inertial parameters of a robot's links a motion tells only combinations.
 """
 
-import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,17 +15,15 @@ from scipy.linalg import qr
 from stickslip.data import Measurement
 from stickslip.errors import InputError, ParameterError
 from stickslip.identify.bands import Array
-from stickslip.identify.fits import RESOLUTION, SETTLED, SURE, TAKES_PART, positions_of
+from stickslip.identify.fits import SETTLED, TAKES_PART
 from stickslip.identify.forces import doubts_of
 from stickslip.identify.problems.joint_motions import resting_of
 from stickslip.identify.problems.joints import (
     NONE_MOVES,
     JointRecords,
     Links,
-    Reduced,
     links_of,
     reduced_of,
-    weighed,
 )
 from stickslip.mechanisms import LINKS, Mechanism, Robot, RobotJoint
 from stickslip.quantities import fields_of, parameters, vary
@@ -130,14 +127,12 @@ def _refuse_alike(names: Sequence[str]) -> None:
 def told_links(
     robot: Mechanism, measurement: Measurement, *, held: bool, zeros: bool
 ) -> tuple[Mechanism, tuple[str, ...]]:
-    """Return a robot, and the paths of its links' parameters that records tell, at their values.
+    """Return a robot, and the paths of its links' parameters that records tell together.
 
-    First the largest set of independent slopes, by pivoted QR; what the others would do to the
-    forces, these do. Then those that are hardly other than described are left as they are, the
-    least certain first, until all are certain and the mass matrix is positive in all poses.
+    They are the largest set of independent slopes, by pivoted QR; what the others would do to the
+    forces, these do. None is left as described because it is uncertain: other motions may show it.
 
-    Sources: M. Gautier, "Numerical calculation of the base inertial parameters of robots", 1991;
-    C. M. Pham, M. Gautier, "Essential parameters of robots", 1991.
+    Source: M. Gautier, "Numerical calculation of the base inertial parameters of robots", 1991.
     """
     if not isinstance(robot, Robot):
         raise InputError(
@@ -154,33 +149,11 @@ def told_links(
     )
     if not records.records:
         raise InputError(NONE_MOVES)
-    parts = reduced_of(records, held, paths)
+    slopes = [part.slopes for part in reduced_of(records, held, paths)]
     if not zeros:  # they are as small as usual
-        parts = [replace(part, slopes=part.slopes[:, : len(paths)]) for part in parts]
-    told = _independent(np.vstack([part.slopes for part in parts]), len(paths))
-    count = parts[0].slopes.shape[1]
-    at = [*told, *range(len(paths), count)]
-    parts = weighed([replace(part, slopes=part.slopes[:, at]) for part in parts])
-    triangle = np.asarray(
-        np.linalg.qr(np.vstack([_rows(part) for part in parts]), mode="r"), dtype=float
-    )
-    poses = _poses(robot, measurement)
-    kept, values = list(range(len(told))), dict[str, float]()
-    while kept:
-        result, errors = _solved(triangle, kept, len(told))
-        certain = np.abs(result) / errors
-        least = int(np.argmin(certain))
-        values = dict(zip((paths[told[i]] for i in kept), result.tolist(), strict=True))
-        if certain[least] > SURE and _is_consistent(robot, values, poses):
-            break
-        del values[paths[told[kept[least]]]], kept[least]
-    return _moved(robot, values), tuple(path for path in paths if path in values)
-
-
-def _rows(part: Reduced) -> Array:
-    """Return slopes and responses of a joint over its noise (n, p + 1), as far as they count."""
-    both = np.column_stack([part.slopes, part.response])
-    return both * (math.sqrt(part.kappa) / part.size)
+        slopes = [x[:, : len(paths)] for x in slopes]
+    told = tuple(paths[i] for i in _independent(np.vstack(slopes), len(paths)))
+    return _with_parameters(robot, told), told
 
 
 def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
@@ -193,14 +166,6 @@ def _with_parameters(robot: Robot, paths: Collection[str]) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def _moved(robot: Robot, changes: Mapping[str, float]) -> Robot:
-    """Return a robot with parameters changed by so much."""
-    free = _with_parameters(robot, list(changes))
-    before = {path: value for path, _, value in parameters(free, "mechanism")}
-    after = {path: before[path] + change for path, change in changes.items()}
-    return vary(free, "mechanism", after)
-
-
 def _independent(table: Array, count: int) -> Sequence[int]:
     """Return which of the first columns are independent of each other and of all later ones."""
     size = np.linalg.norm(table, axis=0)
@@ -210,34 +175,3 @@ def _independent(table: Array, count: int) -> Sequence[int]:
     _, triangle, order = qr(columns - basis @ (basis.T @ columns), mode="economic", pivoting=True)
     result = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TAKES_PART))
     return sorted(int(i) for i in order[:result])
-
-
-def _solved(triangle: Array, kept: Sequence[int], count: int) -> tuple[Array, Array]:
-    """Return values of parameters and their standard errors, by noise of 1 in every row."""
-    columns = triangle[:, [*kept, *range(count, triangle.shape[1] - 1)]]
-    size = np.linalg.norm(columns, axis=0)
-    inverse = np.linalg.pinv(columns / np.where(size > 0.0, size, 1.0), rcond=1e-10)
-    result = (inverse @ triangle[:, -1])[: len(kept)] / size[: len(kept)]
-    return result, np.linalg.norm(inverse[: len(kept)], axis=1) / size[: len(kept)]
-
-
-def _poses(robot: Robot, measurement: Measurement) -> Mapping[str, Array]:
-    """Return some coordinates of records (n,), by name."""
-    every = [
-        np.concatenate([positions_of(record.joints[name]) for record in measurement.records()])
-        for name in robot.coordinates
-    ]
-    step = max(1, len(every[0]) // RESOLUTION)
-    return {name: q[::step] for name, q in zip(robot.coordinates, every, strict=True)}
-
-
-def _is_consistent(robot: Robot, values: Mapping[str, float], poses: Mapping[str, Array]) -> bool:
-    """Whether accelerations take force with parameters of links: the mass matrix is positive."""
-    try:
-        moved = _moved(robot, values)
-    except ParameterError:
-        return False
-    count = len(next(iter(poses.values())))
-    rows = [[np.broadcast_to(x, count) for x in row] for row in moved.mass_matrix(poses)]
-    sizes = np.linalg.eigvalsh(np.moveaxis(np.array(rows, dtype=float), -1, 0))
-    return bool(sizes.min() > 0.0)

@@ -199,7 +199,7 @@ def readings(
     rng = np.random.default_rng([seed, 11])
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
-    maker = _Readings(model, other.balance, rng, again=full_doubts(model, draws))
+    maker = _Readings(model, other.balance, rng)
     result = np.concatenate([maker.of(draw, fixed) for draw in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
@@ -211,20 +211,6 @@ def readings(
     factors = np.repeat([model.at(draw.node, "noise") for draw in draws], _numbers(draws))
     sizes = np.hypot(factors[:, None] * size * float(noise.pieces.max()), more)
     return np.asarray(result + sizes * tail)
-
-
-def full_doubts(model: RecordModel, draws: Sequence[Draws]) -> dict[str, float]:
-    """Return what the doubt of earlier estimates lacks in draws, by path.
-
-    The same rows were counted twice: other readings have all of the doubt.
-    """
-    result = {}
-    for path, unknown in model.balance.pieces[0].record.unknown.items():
-        if unknown.estimated:
-            parts = [model.split(draw.node, draw.random)[path][0] for draw in draws]
-            left = unknown.doubt**2 - float(np.var(np.concatenate(parts)))
-            result[path] = math.sqrt(max(left, 0.0))
-    return result
 
 
 def going_on(size: Array) -> Array:
@@ -250,11 +236,8 @@ class _Readings:
     time have: so much may have been one.
     """
 
-    def __init__(
-        self, model: RecordModel, other: Balance, rng: np.random.Generator, *,
-        again: Mapping[str, float],
-    ) -> None:  # fmt: skip
-        self.model, self.other, self.rng, self.again = model, other, rng, again
+    def __init__(self, model: RecordModel, other: Balance, rng: np.random.Generator) -> None:
+        self.model, self.other, self.rng = model, other, rng
         self.rests = other.rests
         self.rows, frame = other.rows(MIDDLE), model.frame
         self.pulses = other.pulses(MIDDLE)
@@ -340,15 +323,13 @@ class _Readings:
         return f
 
     def doubtful(self, plain: Mapping[str, Array], fixed: Mapping[str, Array], count: int) -> Array:
-        """Return what parameters of the other record alone, or estimated before, change (k, n)."""
+        """Return what parameters of the other record alone change (k, n)."""
         rng, result = self.rng, np.zeros((count, self.rows.count))
         of = self.other.run[self.rows.piece][:, None] == np.arange(self.other.runs)
         for path, unknown in self.other.pieces[0].record.unknown.items():
             if path not in plain:
                 new = unknown.doubt * rng.normal(size=(count, self.other.runs))
                 result += new @ (fixed[path] * of).T
-        for path in (x for x in self.again if x in fixed):  # in a known order of draws
-            result += self.again[path] * rng.normal(size=(count, 1)) * fixed[path].T
         return result
 
     def in_time(self, learned: Array, likely: Array | float) -> Array:
