@@ -525,7 +525,7 @@ def drawing_of(
     def at(load: float | None) -> Array:
         return judgement.acting(problem.at(speeds, load))
 
-    if problem.over:  # at one speed
+    if problem.over[0]:  # at one speed
         return _over_input(judgement, measurement, title)
     loads = [item for item in loads_apart(points.load) if item]
     by_load = {load: (judgement.band(problem.at(speeds, load)), at(load)) for load in loads}
@@ -546,8 +546,7 @@ def _over_input(judgement: Judgement, measurement: Measurement, title: str) -> "
     """Return what a figure shows of readings at one speed, over the load or an input."""
     from stickslip.identify.figures import BandDrawing  # loads matplotlib
 
-    problem, points, over = judgement.problem, judgement.measured(), judgement.problem.over
-    x = points.load if over == "load" else problem.table.rows.inputs[over]
+    problem, points, (over, x) = judgement.problem, judgement.measured(), judgement.problem.over
     spaced = np.geomspace if over == "load" else np.linspace
     grid = spaced(x.min(), x.max(), len(problem.asked().velocity))
     side = np.sign(points.velocity)

@@ -807,11 +807,13 @@ class TableProblem(Problem):
         return [item for item in result if item.probability > 0.5]
 
     @property
-    def over(self) -> str:
-        """What friction was measured over at one speed: "load" or an input; else nothing."""
-        if speeds_of(self.table.rows) > 1:
-            return ""
-        return LOAD if self.model.frame.loaded else next(iter(self.model.frame.means), "")
+    def over(self) -> tuple[str, Array]:
+        rows = self.table.rows
+        varied = {LOAD: rows.load} if self.model.frame.loaded else {}
+        varied |= rows.inputs
+        if not varied or speeds_of(rows) > 1:
+            return super().over
+        return next(iter(varied.items()))
 
     @property
     def _middle_speed(self) -> float:
