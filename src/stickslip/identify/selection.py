@@ -160,7 +160,7 @@ def _wanted(judgement: Judgement) -> tuple[Rows, Array, Array, Array]:
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
     offered = problem.offered()
-    # friction is asked for, and read, early, midway and late: new readings are in random order
+    # friction is wanted early, midway and late
     times, n = (0.0, 0.5, 1.0), len(offered.velocity)
     rows = offered.where(np.tile(np.arange(n), len(times)))
     rows = replace(rows, order=np.repeat(times, n))
@@ -180,16 +180,16 @@ def further_readings(judgement: Judgement, count: int | None = None) -> tuple[Pr
     """
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
-    rows, grown, steady, rest = _wanted(judgement)
+    _, grown, steady, rest = _wanted(judgement)
     offered = problem.offered()
     noise, shared = problem.errors(offered)
-    fold = len(rows.velocity) // len(noise)
+    midway = steady[:, len(noise) : 2 * len(noise)]  # none can be early or late in what was made
     proposal = propose(
-        steady / grown, steady, np.tile(noise, fold),
+        steady / grown, midway, noise,
         min(MOST, problem.table.total) if count is None else count,
-        rest, HALF if count is None else 0.0, np.tile(shared, (fold, fold)),
+        rest, HALF if count is None else 0.0, shared,
     )  # fmt: skip
-    return proposal, offered.where(np.array(proposal.places, dtype=np.intp) % len(noise))
+    return proposal, offered.where(np.array(proposal.places, dtype=np.intp))
 
 
 def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
