@@ -269,7 +269,7 @@ def test_five_parameters_of_nine_readings_make_no_outliers():
 
 def test_a_table_at_one_speed_and_load_is_refused():
     table = Measurement(velocity=np.full(12, 0.1), friction=2.0 + 0.1 * np.sin(np.arange(12.0)))
-    with pytest.raises(InputError, match=r"needs at least 3 speeds in one direction, or as many"):
+    with pytest.raises(InputError, match=r"at least 3 speeds, or loads or values of an"):
         select(AXIS, None, table)
 
 
@@ -293,6 +293,21 @@ def test_a_table_at_one_speed_tells_how_a_level_follows_the_load(way):
     assert np.all(np.abs(drawing.law - truth) < 0.03 * np.abs(truth))
 
 
+def test_a_table_at_one_speed_in_both_directions_tells_a_constant_force():
+    random, loads = np.random.default_rng(3), np.tile([10.0, 20.0, 40.0], 8)
+    way = np.repeat([1.0, -1.0], 12)
+    friction = way * 0.3 * loads * (1.0 + 0.02 * random.normal(size=24)) + 1.0
+    table = Measurement(velocity=0.1 * way, friction=friction, load=loads)
+    verdict = select(AXIS, None, table)
+    for side in (1.0, -1.0):
+        band = verdict.band([0.1 * side] * 3, np.array([10.0, 20.0, 40.0]))
+        truth = side * 0.3 * np.array([10.0, 20.0, 40.0]) + 1.0
+        assert np.all(band.low < truth)
+        assert np.all(truth < band.high)
+    drawing = verdict.drawing()  # readings of both directions lie about the curve of one
+    assert np.allclose(drawing.friction, 0.3 * drawing.velocity + 1.0, rtol=0.2)
+
+
 def test_a_table_at_one_speed_in_both_directions_is_drawn_over_an_input():
     random, warm = np.random.default_rng(8), np.tile(np.linspace(20.0, 45.0, 6), 4)
     v = np.repeat([0.1, -0.1], 12)
@@ -302,7 +317,7 @@ def test_a_table_at_one_speed_in_both_directions_is_drawn_over_an_input():
     drawing = verdict.drawing()
     assert drawing.names == ("temperature", "friction")
     assert drawing.units[0] == "degC"
-    assert np.all(drawing.friction > 0.0)  # of both directions
+    assert np.all(drawing.friction > 0.0)  # those of the other direction are moved
     slope = next(item for item in verdict.parameters if item.path.endswith("temperature_slope"))
     assert slope.low < -0.008 / 1.24 < slope.high
 

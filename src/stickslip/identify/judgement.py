@@ -316,9 +316,9 @@ class Problem(ABC):
         """Return what a figure shows of the measurement beside a law."""
 
     @property
-    def over(self) -> tuple[str, Array]:
-        """What was changed at one speed, "load" or an input, and its values (n,); else nothing."""
-        return "", np.zeros(0)
+    def over(self) -> tuple[str, Any] | None:
+        """What was changed at one speed, "load" or an input, and the rows of the readings (n,)."""
+        return None
 
     @abstractmethod
     def curve_rows(self) -> Any:

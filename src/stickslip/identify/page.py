@@ -97,6 +97,8 @@ def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
         f" {verdict.closest.title}. Band: where friction lies with 95 % at each {over}, whichever"
         " law holds, or none."
     )
+    if over != "velocity":
+        text += " What else differs between readings, by the law, is taken off them."
     if drawing.places:
         text += " Dotted: where further readings narrow the band most."
     heading = f"Friction over the {'speed' if over == 'velocity' else over}"

@@ -525,8 +525,8 @@ def drawing_of(
     def at(load: float | None) -> Array:
         return judgement.acting(problem.at(speeds, load))
 
-    if problem.over[0]:  # at one speed
-        return _over_input(judgement, measurement, title)
+    if problem.over is not None:
+        return _over_input(judgement, measurement, title, *problem.over)
     loads = [item for item in loads_apart(points.load) if item]
     by_load = {load: (judgement.band(problem.at(speeds, load)), at(load)) for load in loads}
     return BandDrawing(
@@ -542,23 +542,32 @@ def drawing_of(
     )
 
 
-def _over_input(judgement: Judgement, measurement: Measurement, title: str) -> "BandDrawing":
-    """Return what a figure shows of readings at one speed, over the load or an input."""
+def _over_input(
+    judgement: Judgement, measurement: Measurement, title: str, over: str, own: Any
+) -> "BandDrawing":
+    """Return what a figure shows of readings at one speed, over the load or an input.
+
+    What else changes is as usual there: the law moves readings, also of the other direction.
+    """
     from stickslip.identify.figures import BandDrawing  # loads matplotlib
 
-    problem, points, (over, x) = judgement.problem, judgement.measured(), judgement.problem.over
+    problem, points = judgement.problem, judgement.measured()
+    speed = float(own.velocity[0])
+
+    def at(x: Array) -> Any:
+        v = np.full(len(x), speed)
+        return problem.at(v, x) if over == "load" else problem.at(v, None, {over: x})
+
+    x = own.load if over == "load" else own.inputs[over]
     spaced = np.geomspace if over == "load" else np.linspace
     grid = spaced(x.min(), x.max(), len(problem.asked().velocity))
-    side = np.sign(points.velocity)
-    at = np.full(len(grid), float(np.median(np.abs(points.velocity)) * side[0]))
-    rows = problem.at(at, grid) if over == "load" else problem.at(at, None, {over: grid})
-    points = replace(points, velocity=x, friction=side * side[0] * points.friction)
+    moved = points.friction - judgement.acting(own) + judgement.acting(at(x))
     unit = "N" if over == "load" else CONTACT_INPUTS[over].unit if over in CONTACT_INPUTS else ""
     return BandDrawing(
-        **vars(replace(points, load=np.ones(len(x)))),
+        **vars(replace(points, velocity=x, friction=moved, load=np.ones(len(x)))),
         speeds=grid,
-        band=judgement.band(rows),
-        law=judgement.acting(rows),
+        band=judgement.band(at(grid)),
+        law=judgement.acting(at(grid)),
         title=title,
         places=(),
         units=(unit, measurement.unit("friction")),

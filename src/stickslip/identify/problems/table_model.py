@@ -420,9 +420,9 @@ def _matern(distance: Array) -> Array:
 
 
 def is_both_ways(rows: Rows) -> bool:
-    """Return whether there are readings at several speeds in both directions."""
+    """Return whether there are readings at several speeds, or at the only one, both ways."""
     sides = [rows.velocity[rows.velocity > 0.0], -rows.velocity[rows.velocity < 0.0]]
-    if min(len(np.unique(side)) for side in sides) < FEW_SPEEDS:
+    if min(len(np.unique(side)) for side in sides) < min(FEW_SPEEDS, speeds_of(rows)):
         return False
     return min(float(side.max()) for side in sides) > ONE_WAY * float(rows.speed.max())
 

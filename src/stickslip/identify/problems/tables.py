@@ -807,13 +807,12 @@ class TableProblem(Problem):
         return [item for item in result if item.probability > 0.5]
 
     @property
-    def over(self) -> tuple[str, Array]:
+    def over(self) -> tuple[str, Rows] | None:
         rows = self.table.rows
-        varied = {LOAD: rows.load} if self.model.frame.loaded else {}
-        varied |= rows.inputs
-        if not varied or speeds_of(rows) > 1:
-            return super().over
-        return next(iter(varied.items()))
+        names = [LOAD] * self.model.frame.loaded + [*rows.inputs]
+        if not names or speeds_of(rows) > 1:
+            return None
+        return names[0], self.at(rows.velocity, rows.load, rows.inputs)
 
     @property
     def _middle_speed(self) -> float:
@@ -1024,11 +1023,9 @@ def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
             f" {len(rows.velocity)}: measure friction at more speeds."
         )
     if not _moves(rows):
-        most = max(len(np.unique(rows.velocity[rows.direction == way])) for way in (-1.0, 1.0))
         raise InputError(
-            f"a law of friction needs at least {FEW_SPEEDS} speeds in one direction, or as many"
-            f" loads or values of an input, and this table has {most}: measure friction at more"
-            " speeds."
+            f"a table of friction needs at least {FEW_SPEEDS} speeds, or loads or values of an"
+            f" input, in one direction, and this has {_most(rows)}: measure friction at more."
         )
     result = Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
     return replace(result, last=total - 1, at_rest=np.concatenate(rests))
@@ -1099,9 +1096,13 @@ def with_runs(rows: Rows) -> Rows:
 
 def _moves(rows: Rows) -> bool:
     """Return whether there are several speeds, loads or values of an input in a direction."""
-    along = [rows.load, *rows.inputs.values()]
-    ways = [x[rows.direction == way] for way in (-1.0, 1.0) for x in (rows.velocity, *along)]
-    return max(len(np.unique(way)) for way in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
+    return _most(rows) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
+
+
+def _most(rows: Rows) -> int:
+    """Return the largest number of speeds, loads or values of an input in a direction."""
+    every = (rows.velocity, rows.load, *rows.inputs.values())
+    return max(len(np.unique(x[rows.direction == way])) for way in (-1.0, 1.0) for x in every)
 
 
 def varies(x: Array) -> bool:
