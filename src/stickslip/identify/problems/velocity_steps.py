@@ -140,7 +140,9 @@ class Record:
     def _edges(self) -> Array:
         first, last = self.time[0], self.time[-1]
         edges = [np.linspace(first, last, PLAIN // 3 + 1)]
-        shortest = float(np.median(np.diff(self.time)))
+        # pieces are often sampled at rates of their own: a stretch as long as a sample of a slow
+        # piece would hide how friction settles in a fast one
+        shortest = float(np.diff(self.time).min())
         ends = [*self.path.steps[1:], last]
         for step, end in zip(self.path.steps, ends, strict=True):
             if end - step > 2.0 * shortest:
