@@ -169,9 +169,15 @@ def _positions(t: Array, x: Array, changes: list[float]) -> Array:
 
 def _best(t: Array, x: Array, low: float, high: float, others: list[float]) -> float:
     """Return the time between two others at which one more bend helps most."""
+    known = np.linalg.qr(_table(t, others))[0]
+    left = x - known @ (known.T @ x)
+    least = 1e-20 * float(t @ t) + 1e-300  # where there is a bend already
     for _ in range(5):
         tried = np.linspace(low, high, CANDIDATES + 2)[1:-1]
-        best = float(min(tried, key=lambda change: _squares(t, x, sorted([*others, change]))))
+        bends = np.maximum(t[:, None] - tried, 0.0)
+        bends -= known @ (known.T @ bends)
+        gains = (left @ bends) ** 2 / np.maximum(np.sum(bends**2, axis=0), least)
+        best = float(tried[np.argmax(gains)])
         width = 2.0 * (high - low) / CANDIDATES
         low, high = max(low, best - width), min(high, best + width)
     return best

@@ -10,6 +10,9 @@ Priors are shares of the mean coefficient :math:`m` of the record and of the way
     b_2 ~ N(0, .015 m)               ln(D_2/D_c) ~ N(1.5, .7)
     ln k ~ N(ln of what is stated, .3)
 
+An effect of stress c makes a step show a/(1 + c), b - a c/(1 + c) and (1 + c) D_c. These have the
+priors of a, b and D_c, which were measured without it, and a record hardly tells c beside them.
+
 Rocks, gouges, metals and paper have a and b of .003 to .03 at m of .6 ([M], [B]), and experiments
 slide by tens of critical distances between steps. A frame, grips and a sample give way beside the
 spring, so the stiffness of a machine is known to a third unless its uncertainty is stated. Beside
@@ -28,6 +31,7 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -140,7 +144,9 @@ class Record:
     def _edges(self) -> Array:
         first, last = self.time[0], self.time[-1]
         edges = [np.linspace(first, last, PLAIN // 3 + 1)]
-        shortest = float(np.median(np.diff(self.time)))
+        # pieces are often sampled at rates of their own: a stretch as long as a sample of a slow
+        # piece would hide how friction settles in a fast one
+        shortest = float(np.diff(self.time).min())
         ends = [*self.path.steps[1:], last]
         for step, end in zip(self.path.steps, ends, strict=True):
             if end - step > 2.0 * shortest:
@@ -164,16 +170,11 @@ class Record:
         """Return a guess of the stiffness: friction rises by no more than that with the pull."""
         edges = np.linspace(self.pull.min(), self.pull.max(), STRETCHES)
         bins = np.searchsorted(edges, self.pull, side="right")
-        count = np.bincount(bins)
-        kept = count > 0
-        total = (np.bincount(bins, values)[kept] for values in (self.coefficient, self.pull))
-        mu, x = (sums / count[kept] for sums in total)
+        _, which, count = np.unique(bins, return_inverse=True, return_counts=True)
+        mu, x = (np.bincount(which, y) / count for y in (self.coefficient, self.pull))
         way = 2.0 * np.ptp(self.pull) / STRETCHES
-        rise = [
-            abs(np.interp(place + way, x, mu) - np.interp(place, x, mu)) / way
-            for place in self.path.places
-        ]
-        return 2.0 * float(max(rise)) + 1e-3 / max(self.slid, 1e-12)
+        rise = np.interp(self.path.places + way, x, mu) - np.interp(self.path.places, x, mu)
+        return 2.0 * float(np.abs(rise).max()) / way + 1e-3 / max(self.slid, 1e-12)
 
 
 def record_of(measurement: Measurement, load: float = 1.0) -> Record:
@@ -382,11 +383,21 @@ class VelocitySteps(Simulated):
             results[name] = np.exp(np.minimum(x, 300.0)) if self._is_logarithm(family, name) else x
         if FURTHER in names:
             results[FURTHER] = results[FURTHER] * results[DISTANCE]
-        return results
+        return self._stressed(family, results, 1.0)
+
+    def _stressed(self, family: str, values: Mapping[str, Any], power: float) -> dict[str, Any]:
+        """Return values from those that a step shows, or (power -1) the reverse."""
+        free, more = self._free(family), (1.0 + values.get(STRESS, 0.0)) ** power
+        changed = {**values}
+        if STRESS in values:
+            a = values[DIRECT] / (1.0 if DIRECT in free else more)
+            changed |= {DIRECT: a * more, DISTANCE: values[DISTANCE] / more,
+                        EVOLVED: values[EVOLVED] + a * (more - 1.0)}  # fmt: skip
+        return {name: changed[name] if name in free else x for name, x in values.items()}
 
     def _point(self, family: str, values: Mapping[str, float]) -> Array:
         """Return the point (p,) with some values, and the prior's for the others."""
-        point = []
+        point, values = [], self._stressed(family, values, -1.0)
         for name in self._free(family):
             x = values.get(name)
             if x is not None and name == FURTHER:
@@ -400,11 +411,9 @@ class VelocitySteps(Simulated):
     def starts(self, family: str, ends: Mapping[str, Array]) -> Array:
         law = self.laws[family]
         rate, _ = self.record.levels()
-        stiff = [
-            self.stiffness,
-            *([self.record.steepest()] if self.doubt > PRIORS[STIFFNESS][1] else []),
-        ]
-        tried: list[Mapping[str, float]] = [{STIFFNESS: k} for k in stiff]
+        tried: list[Mapping[str, float]] = [{STIFFNESS: self.stiffness}]
+        if self.doubt > PRIORS[STIFFNESS][1]:
+            tried.append({STIFFNESS: self.record.steepest()})
         if law.form.evolution == "none":
             tried = [{DIRECT: rate, **item} for item in tried]
         else:
@@ -415,18 +424,10 @@ class VelocitySteps(Simulated):
                 for a in direct for share in DISTANCES for item in tried
             ]  # fmt: skip
             tried += self._from_simpler(family, ends)
-            if law.form.evolution == "nagata":  # a step shows a / (1 + c) at once
-                tried = [item if STRESS in item else self._stressed(item) for item in tried]
         if law.given:
             tried.append(law.given)
         points = [self._point(family, {**item, **law.held}) for item in tried]
         return np.array(points).reshape(len(tried), -1)
-
-    @staticmethod
-    def _stressed(one: Mapping[str, float]) -> dict[str, float]:
-        more = one[DIRECT] * PRIORS[STRESS][0]
-        return {**one, DIRECT: one[DIRECT] + more, EVOLVED: one[EVOLVED] + more,
-                STRESS: PRIORS[STRESS][0]}  # fmt: skip
 
     def _from_simpler(self, family: str, ends: Mapping[str, Array]) -> list[dict[str, float]]:
         """Return values of modes of laws that a law contains, with what it has besides."""
@@ -485,10 +486,8 @@ class VelocitySteps(Simulated):
             evolution[follows] = slice(begun, int(last))
 
         def joined(key: str) -> Array:
-            parts = [
-                values[name].get(key, np.zeros_like(values[name][STIFFNESS])) for name in names
-            ]
-            return np.concatenate(parts)
+            every = [values[name] for name in names]
+            return np.concatenate([own.get(key, np.zeros_like(own[STIFFNESS])) for own in every])
 
         states = [(EVOLVED, DISTANCE), (SECOND, FURTHER)][: self._states(names[0])]
         effects = [joined(effect) for effect, _ in states]
@@ -577,9 +576,7 @@ class VelocitySteps(Simulated):
     ) -> list[Estimate]:
         results = {estimate.path: estimate for estimate in estimates}
         draws = self.values(name, family.points)
-        direct = (
-            abs(float(self.values(name, family.mode[None])[DIRECT][0])) if DIRECT in draws else 0.0
-        )
+        direct = abs(float(self.values(name, family.mode[None]).get(DIRECT, np.zeros(1))[0]))
         for effect, distance in ((EVOLVED, DISTANCE), (SECOND, FURTHER)):
             own, way = path_of_parameter(effect), path_of_parameter(distance)
             if way not in results:
