@@ -190,7 +190,3 @@ def test_a_measured_arm_of_unknown_links_has_the_published_friction(tx40):
         # is up to 6 % from them
         assert abs(slope.value - published) < slope.half_width + 0.05 * published
         assert slope.half_width < 0.2 * published
-    seen = found.predict(record)
-    for name in robot.coordinates:
-        own = seen.of(name)
-        assert np.std(own.residual) < 0.15 * np.std(own.measured)
