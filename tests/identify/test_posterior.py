@@ -63,6 +63,13 @@ class Linear(Model):
 LAWS = ((), (("level", ()),), (("level", ()), ("viscous", ())), (("bend", ()),))
 
 
+class Linked(Linear):
+    """The same, whose random columns are of links."""
+
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        return replace(super().system(node, columns), links=(0, 1))
+
+
 @pytest.fixture
 def model() -> Linear:
     random = np.random.default_rng(4)
@@ -335,3 +342,33 @@ def test_an_estimate_holds_random_coefficients_that_cannot_be_negative() -> None
     precision = x.T @ x + np.diag([SPREADS[1] ** -2, COEFFICIENT**-2])
     expected = np.linalg.solve(precision, x.T @ y / NOISES[0])
     np.testing.assert_allclose([held[1][0], held[0][0]], expected, rtol=1e-6)
+
+
+def test_rows_tell_links_with_twice_the_errors_that_they_show(model):
+    node, laws = (1, 1), LAWS[:2]
+    shown = np.linalg.eigvalsh(Z.T @ Z) * (SPREADS[1] / NOISES[1]) ** 2
+    plain, linked = (
+        Posterior(one, laws, np.zeros(2), begin=[node], most=0) for one in (model, Linked(model.y))
+    )
+    assert plain.effective(node, ()) == pytest.approx(np.sum(shown / (1.0 + shown)))
+    assert linked.effective(node, ()) == pytest.approx(np.sum(shown / (4.0 + shown)))
+    means = [own.estimate(node, ())[1] for own in (plain, linked)]
+    np.testing.assert_allclose(*means, rtol=1e-9)
+
+
+def test_a_law_is_as_doubtful_as_links_make_it(model):
+    node, law = (0, 1), LAWS[2]
+    plain, linked = (
+        Posterior(one, [law], np.zeros(1), begin=[node], most=0).draws(4000)[0]
+        for one in (model, Linked(model.y))
+    )
+    own = np.column_stack([Z, *(COLUMNS[column] for column in law)]) / NOISES[0]
+    gram = own.T @ own + np.diag([*[SPREADS[1] ** -2] * 2, *[COEFFICIENT**-2] * 2])
+    covariance = np.linalg.inv(gram)
+    follow = covariance[2:, :2] @ np.linalg.inv(covariance[:2, :2])
+    rest = covariance[2:, 2:] - follow @ covariance[:2, 2:]
+    shown = np.linalg.inv(covariance[:2, :2]) - np.eye(2) / SPREADS[1] ** 2
+    wider = np.linalg.inv(np.eye(2) / SPREADS[1] ** 2 + shown / 4.0)
+    expected = np.sqrt(np.diagonal(rest + follow @ wider @ follow.T))
+    np.testing.assert_allclose(np.std(linked.law, axis=1), expected, rtol=0.06)
+    assert np.max(np.std(linked.law, axis=1) / np.std(plain.law, axis=1)) > 1.1

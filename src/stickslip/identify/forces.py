@@ -65,6 +65,8 @@ class Unknown:
     along: Mapping[str, float] = field(default_factory=dict)
     """What a unit of it changes, by path: that of one standard deviation where runs told it; none
     of a parameter that changes alone, by its unit."""
+    link: bool = False
+    """Whether records of other joints tell its doubt."""
     bent: bool = False
     """Whether forces are not linear in what is looked for: the column is their slope where it
     counts from."""

@@ -92,6 +92,9 @@ ROUNDING = 1e-9
 """Part of its deviation by which a coefficient that is held to 0 may be off."""
 SPARE = 4
 """Draws of coefficients for each that is kept, so that those that are physics suffice."""
+UNSHOWN = 2.0
+"""Errors of the parameters of links over those that rows show: a filter or a delay is the same in
+all, and rows by which a joint is judged were among them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,6 +133,8 @@ class System:
     columns times these."""
     positive: tuple[int, ...] = ()
     """Random columns whose coefficients are not negative."""
+    links: tuple[int, ...] = ()
+    """Random columns of links, whose errors are `UNSHOWN` times those that rows show."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -653,7 +658,11 @@ class Posterior:
         for column, x in known.items():
             place = self.columns.index(column)
             moment = moment - gram[at, m + place] * (x / system.sizes[place])
-        return root @ (root.T @ moment), root
+        mean, links = root @ (root.T @ moment), [*system.links]
+        # rows tell 1 / UNSHOWN^2 as much of links; all other coefficients follow them
+        _, size, axes = np.linalg.svd(root[links] / q[links, None], full_matrices=False)
+        more = 1.0 / np.sqrt(size**2 + (1.0 - size**2) / UNSHOWN**2)
+        return mean, root + (root @ axes.T) * (more - 1.0) @ axes
 
     def effective(self, node: Node, structure: Structure) -> float:
         """Return the number of coefficients that the measurement tells at a node."""

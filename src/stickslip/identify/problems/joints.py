@@ -27,8 +27,10 @@ r"""Records of several joints: the balance of each is a record of one coordinate
              \qquad \Lambda = Q^{-1} + \sum_i \kappa_i U_i^T U_i / \sigma_i^2 .
 
    The size of zeros is that with the largest marginal likelihood. Columns of a joint are the axes
-   of that covariance (`at`): of combinations that the motion does not tell apart, each alone is
-   unknown, and their sum is not. Another measurement has zeros that nothing tells.
+   of the covariance by all other joints (`at`), about what all tell, as its own rows tell links in
+   its own posterior: of combinations that the motion does not tell apart, each alone is unknown,
+   and their sum is not. Errors are `UNSHOWN` times those shown. Another measurement has zeros that
+   nothing tells.
 4. **Band.** Balances have rows for all these columns: of a short record, more for each second.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
@@ -52,6 +54,7 @@ from stickslip.identify.fits import (
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
+from stickslip.identify.posterior import UNSHOWN
 from stickslip.identify.problems.joint_motions import check_joints, contacts_along
 from stickslip.identify.problems.record_columns import ZERO, Balance, Memory
 from stickslip.identify.problems.record_model import LOOKED_FOR, SOFT, share_of
@@ -83,9 +86,6 @@ ROWS = 3.0
 ZEROS = {0.0005: 0.35, 0.003: 0.3, 0.01: 0.25, 0.03: 0.1}
 """Standard deviation of the zeros of positions from record to record [rad] or [m], with its prior:
 encoders count from where they were switched on, or set by eye."""
-UNSHOWN = 2.0
-"""Errors over those that rows show: a filter or a delay is the same in all, and rows by which a
-joint is judged were among them."""
 ROUNDS = 4
 """Times that noise is taken again from what parameters leave."""
 SAME = math.sqrt(np.finfo(float).eps)
@@ -122,11 +122,6 @@ class JointRecords:
     bent: bool
     """Whether forces are not linear in the parameters together."""
 
-    @property
-    def count(self) -> int:
-        """Number of measured records."""
-        return 1 + max(max(own) for own in self.numbers.values())
-
     @classmethod
     def of(
         cls,
@@ -160,26 +155,25 @@ class JointRecords:
         Forces may be `held` until the next sample. Records of another measurement (`again`) have
         zeros that nothing tells.
         """
-        count, zeros, told = len(links.paths), self.zeros, links.told
+        count, zeros = len(links.paths), self.zeros
 
-        def moved(one: Record, number: int) -> Record:
+        def moved(told: Told, one: Record, number: int) -> Record:
             assert one.mechanism is not None
             own = () if again else zeros
             first = count + len(zeros) * number
             at = [*range(count), *range(first, first + len(own))]
             forces = [one.unknown[path].force for path in (*links.paths, *own)]
             slopes = np.reshape(forces, (len(at), len(one.time))).T
-            axes = slopes @ told.root[at]
             doubts = dict(links.doubts) | dict.fromkeys(zeros if again else (), links.zero)
             unknown = {path: replace(one.unknown[path], doubt=x) for path, x in doubts.items()}
             name = "links." if count else ZERO
-            for k, x in enumerate(axes.T):
-                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0)
-            mechanism = one.mechanism + slopes @ told.mean[at]
+            for k, x in enumerate((slopes @ told.root[at]).T):
+                unknown[f"{name}{k}"] = Unknown(force=x, inertia=0.0, doubt=1.0, link=True)
+            mechanism = one.mechanism + slopes @ links.told.mean[at]
             return replace(one, mechanism=mechanism, unknown=unknown, held=held)
 
         return {
-            name: [moved(item, k) for item, k in zip(own, self.numbers[name], strict=True)]
+            name: [moved(links.beside[name], *x) for x in zip(own, self.numbers[name], strict=True)]
             for name, own in self.records.items()
         }
 
@@ -259,6 +253,8 @@ class Links:
     """Parameters that are looked for."""
     told: Told
     """What is told of them, and of zeros."""
+    beside: Mapping[str, Told]
+    """The same by the balances of all other joints, by coordinate: its own rows count once."""
     zero: float
     """Standard deviation of the zeros [rad] or [m]."""
     lost: tuple[str, ...]
@@ -289,7 +285,7 @@ def links_of(
     """
     paths = tuple(path for path in records.sought if path not in doubts)
     parts, count = reduced_of(records, held, paths), len(paths)
-    usual = _usual(parts)
+    usual = LOOKED_FOR * np.min([part.usual for part in parts], axis=0)
     shares = {max(ZEROS): 1.0} if zeros else ZEROS
     zero = max(shares)
 
@@ -312,7 +308,8 @@ def links_of(
         doubts=doubts,
         paths=paths,
         told=told,
-        left=max(part.left(told) for part in parts),
+        beside={x.name: _told([y for y in parts if y is not x], prior(zero)) for x in parts},
+        left=max(float(np.std(x.response - x.slopes @ told.mean)) / x.spread for x in parts),
         zero=zero,
         lost=tuple(path for path, x in zip(paths, lost.tolist(), strict=True) if x),
     )
@@ -324,11 +321,6 @@ def reduced_of(records: JointRecords, held: bool, paths: Sequence[str]) -> "list
         Reduced.of([replace(item, held=held) for item in own], records, name, paths)
         for name, own in records.records.items()
     ]
-
-
-def _usual(parts: "Sequence[Reduced]") -> Array:
-    """Return standard deviations of parameters before any balance (p,)."""
-    return np.asarray(LOOKED_FOR * np.min([part.usual for part in parts], axis=0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -371,7 +363,7 @@ class Reduced:
         kept = values > SOFT * values[-1]
         basis = x @ (basis[:, kept] / np.sqrt(values[kept]))
         of = np.asarray(records.numbers[name])[rows.piece]
-        at = of[:, None] == np.arange(records.count)
+        at = of[:, None] == np.arange(1 + max(map(max, records.numbers.values())))
         slopes = [fixed[path] for path in paths] + [fixed[path] * at for path in records.zeros]
         both = np.column_stack([*slopes, rows.response])
         both = both - basis @ (basis.T @ both)
@@ -383,10 +375,6 @@ class Reduced:
             size=float(np.sqrt(np.mean(rows.response**2))) + 1e-300,
             spread=float(np.std(np.concatenate([item.force for item in own]))) + 1e-300,
         )
-
-    def left(self, told: "Told") -> float:
-        """Return what parameters leave of the force, over its standard deviation."""
-        return float(np.std(self.response - self.slopes @ told.mean)) / self.spread
 
     @property
     def gram(self) -> Array:
@@ -401,9 +389,8 @@ class Reduced:
     @property
     def usual(self) -> Array:
         """Changes by which the response would change as much as it is (p,)."""
-        return np.asarray(
-            np.sqrt(np.sum(self.response**2) / (np.sum(self.slopes**2, axis=0) + 1e-300))
-        )
+        slopes = np.linalg.norm(self.slopes, axis=0) + 1e-150
+        return np.asarray(np.linalg.norm(self.response) / slopes)
 
     def weighed(self, told: Told) -> "Reduced":
         """Return the balance with the noise that parameters leave."""
@@ -434,9 +421,8 @@ def _evidence(parts: Sequence[Reduced], prior: Array) -> float:
 
 def _normal(parts: Sequence[Reduced], prior: Array) -> tuple[Array, Array]:
     """Return the normal equations of parameters over their priors (p, p) and (p,)."""
-    gram = np.sum([part.gram for part in parts], axis=0) if parts else 0.0 * np.outer(prior, prior)
-    moment = np.sum([part.moment for part in parts], axis=0) if parts else 0.0 * prior
-    return np.eye(len(prior)) + gram * np.outer(prior, prior), moment * prior
+    gram = sum(part.gram for part in parts) * np.outer(prior, prior)
+    return np.eye(len(prior)) + gram, sum(part.moment for part in parts) * prior
 
 
 def _mass(torques: JointTorques, mechanism: Mechanism, q: Array) -> Array:

@@ -467,12 +467,14 @@ class RecordModel(Model):
         which, memory = self.key(node)
         noise = self.at(node, "noise")
         gram = self._gram(which, memory, node[-3], node[self.names.index("length")])
+        design, unknown = self.design(which, memory), self.balance.pieces[0].record.unknown
         return System(
             gram=self.kappas[which] / noise**2 * gram,
             deviations=self.deviations(node),
             volume=self.kappas[which] * self._volume(node),
-            sizes=self.design(which, memory).sizes,
+            sizes=design.sizes,
             positive=self._positive(node),
+            links=tuple(design.places[name].start for name, x in unknown.items() if x.link),
         )
 
     def _positive(self, node: Node) -> tuple[int, ...]:
