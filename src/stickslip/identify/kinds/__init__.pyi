@@ -34,6 +34,7 @@ from stickslip.identify.kinds.simulated import SimulatedKind as SimulatedKind
 from stickslip.identify.kinds.simulated import SimulatedVerdict as SimulatedVerdict
 from stickslip.identify.kinds.travel_plan import is_further as is_further
 from stickslip.identify.kinds.travel_plan import plan as plan
+from stickslip.identify.kinds.travel_plan import refuse_ignored as refuse_ignored
 from stickslip.identify.kinds.travel_plan import setting_of as setting_of
 from stickslip.identify.kinds.travels import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels import TravelFit as TravelFit
