@@ -77,11 +77,7 @@ def note(text: str) -> None:
 
 
 def show_table(
-    title: str,
-    heads: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    *,
-    whole: Collection[str] = (),
+    title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], *, whole: Collection[str] = ()
 ) -> None:
     """Print a table; what looks like markup of the console is text.
 

@@ -20,7 +20,7 @@ from stickslip.cli.options import (
     SelectOptions,
 )
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
-from stickslip.errors import InputError, concerning
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
@@ -40,6 +40,7 @@ BETWEEN = r",(?![^\[]*\])"
 NO_LAW = 3
 """Exit code where no law is recommended."""
 CRITERIA_FAILED = 4
+TRAVEL_ERROR = Quantity("u_s", "m", above=0)
 EMPTY_CELL = re.compile(r"(?:^|[,;\t])(?=[,;\t]|$)")
 
 
@@ -322,9 +323,8 @@ def run_plan(options: PlanOptions) -> None:
         result = kinds.further_plan(_selected(*further), options.readings)
         text = result.csv(rig.reading.with_changes(terminal.reading_of(options)))
     else:
-        between = _between(
-            kinds.setting_of(rig.mechanism, travels, rig.t_end), rig, options.between
-        )
+        knob = kinds.setting_of(rig.mechanism, travels, rig.t_end)
+        between = _between(knob, rig, options.between)
         if not options.as_json:
             terminal.note("Simulating the predictions of the laws ...")
         result = kinds.plan(
@@ -334,15 +334,15 @@ def run_plan(options: PlanOptions) -> None:
             parameter_uncertainties=rig.parameter_uncertainties,
             between=between,
             settings=options.settings,
-            uncertainty=None if options.uncertainty is None else _uncertainty(options.uncertainty),
+            uncertainty=terminal.with_unit("--uncertainty", options.uncertainty, TRAVEL_ERROR),
             t_end=rig.t_end,
             readings=options.readings,
         )
         text = result.csv()
     files = [output] if output is not None and text else []  # there may be nothing worth reading
-    for file in files:
-        _refuse_loss(file, text)
-        documents.write_files({file: text})
+    if output is not None and text:
+        _refuse_loss(output, text)
+        documents.write_files({output: text})
     if options.as_json:
         content = {"rig": rig.heading, "digest": rig.digest, **result.to_dict()}
         terminal.print_json(documents.document("plan", content | {"files": [*map(str, files)]}))
@@ -370,15 +370,8 @@ def _refuse_loss(table: Path, text: str) -> None:
 
 def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:
     """Return the ends of a range, in the unit of what is set."""
-    if text is None:
-        return None
     known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
-    return terminal.range_of("--between", text, known[path])
-
-
-def _uncertainty(text: str) -> float:
-    with concerning("--uncertainty"):
-        return terminal.number_of(text, Quantity("u_s", "m", above=0))
+    return None if text is None else terminal.range_of("--between", text, known[path])
 
 
 def _show_plan(plan: kinds.Plan | kinds.FurtherPlan) -> None:

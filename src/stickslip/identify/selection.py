@@ -92,11 +92,7 @@ def checked(
         refuse_unused(validate, inside(mechanism, validate))
         refuse_same(measurement, validate)
         checked(
-            mechanism,
-            validate,
-            which="The second record",
-            unknown=unknown,
-            conditions=conditions,
+            mechanism, validate, which="The second record", unknown=unknown, conditions=conditions
         )
     checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
     if checks.worst == "error":

@@ -286,13 +286,7 @@ def load_sentence(load: float) -> str:
 
 
 def lacking_sentences(
-    title: str,
-    *,
-    table: bool,
-    off: str,
-    offset: bool,
-    at: str,
-    several: bool,
+    title: str, *, table: bool, off: str, offset: bool, at: str, several: bool
 ) -> tuple[str, ...]:
     """Return what a law that is handed over has otherwise than a title says, or not at all.
 

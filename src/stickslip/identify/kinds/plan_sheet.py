@@ -358,13 +358,13 @@ class FurtherPlan(Tabular):
             table[column] = raw
             usual = name.replace("friction", str(reading.columns.get("friction", "friction")))
             heads.append((str(reading.columns.get(name, usual)), own))
-        text = io.StringIO("\n" * layout.preface)
-        text.seek(0, io.SEEK_END)
+        top = [[f"{head} [{own}]" for head, own in heads], [own for _, own in heads]]
+        text = io.StringIO()
+        text.write("\n" * layout.preface)
         writer = csv.writer(text, delimiter=layout.separator, lineterminator="\n")
-        writer.writerow([f"{head} [{own}]" for head, own in heads])
-        writer.writerows([[own for _, own in heads]] * layout.units_row)
-        form = {"sep": layout.separator, "decimal": layout.decimal, "float_format": "%.12g"}
-        table.to_csv(text, index=False, header=False, lineterminator="\n", **form)
+        writer.writerows(top[: 1 + layout.units_row])
+        table.to_csv(text, sep=layout.separator, decimal=layout.decimal, index=False, header=False,
+                     lineterminator="\n", float_format="%.12g")  # fmt: skip
         return text.getvalue()
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -546,20 +546,13 @@ def _settings(plan: Plan) -> Section:
     tables = []
     for i in range(0, len(plan.settings), size):
         block = plan.settings[i : i + size]
-        travels = {name: [item.predicted[name] for item in block] for name in plan.laws}
-        rows = [
-            Row(cells=(Name(text=plan.laws[name].title, aside=values_text(plan.laws[name])),
-                       *(fixed(1e3 * x, decimals) for x in values)), chosen=name == plan.reference)
-            for name, values in travels.items()
-        ]  # fmt: skip
-        halves = {
-            "± now": [item.half for item in block],
-            "± expected": [item.expected for item in block],
-        }
-        rows += [
-            Row(cells=(head, *(fixed(1e3 * x, decimals) for x in values)))
-            for head, values in halves.items()
+        lines: list[tuple[Name | str, list[float]]] = [
+            (Name(text=law.title, aside=values_text(law)), [x.predicted[name] for x in block])
+            for name, law in plan.laws.items()
         ]
+        lines.append(("± now", [item.half for item in block]))
+        lines.append(("± expected", [item.expected for item in block]))
+        rows = [Row(cells=(x, *(fixed(1e3 * y, decimals) for y in own))) for x, own in lines]
         heads = ("law", *(number(factor * item.value) for item in block))
         last = block[-1] is plan.settings[-1]
         tables.append(_table(heads, rows, caption if last else ""))

@@ -624,10 +624,7 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
 
 
 def _range(
-    mechanism: Mechanism,
-    path: str,
-    done: Sequence[Trial],
-    between: tuple[float, float] | None,
+    mechanism: Mechanism, path: str, done: Sequence[Trial], between: tuple[float, float] | None
 ) -> tuple[tuple[float, float], str]:
     """Return the ends of the settings, the smaller one first, and a sentence on where from."""
     known = {p: (q, value) for p, q, value in parameters(mechanism, "mechanism")}
