@@ -20,7 +20,7 @@ from stickslip.cli.options import (
     SelectOptions,
 )
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
 from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
@@ -40,7 +40,6 @@ BETWEEN = r",(?![^\[]*\])"
 NO_LAW = 3
 """Exit code where no law is recommended."""
 CRITERIA_FAILED = 4
-TRAVEL_ERROR = Quantity("u_s", "m", above=0)
 EMPTY_CELL = re.compile(r"(?:^|[,;\t])(?=[,;\t]|$)")
 
 
@@ -334,7 +333,7 @@ def run_plan(options: PlanOptions) -> None:
             parameter_uncertainties=rig.parameter_uncertainties,
             between=between,
             settings=options.settings,
-            uncertainty=terminal.with_unit("--uncertainty", options.uncertainty, TRAVEL_ERROR),
+            uncertainty=None if options.uncertainty is None else _uncertainty(options.uncertainty),
             t_end=rig.t_end,
             readings=options.readings,
         )
@@ -372,6 +371,11 @@ def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | Non
     """Return the ends of a range, in the unit of what is set."""
     known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
     return None if text is None else terminal.range_of("--between", text, known[path])
+
+
+def _uncertainty(text: str) -> float:
+    with concerning("--uncertainty"):
+        return terminal.number_of(text, Quantity("u_s", "m", above=0))
 
 
 def _show_plan(plan: kinds.Plan | kinds.FurtherPlan) -> None:

@@ -352,7 +352,8 @@ class FurtherPlan(Tabular):
             raw = table[column].to_numpy() + reading.offset.get(name, 0.0)
             raw = raw / (gain_factor(gain, own, unit) if isinstance(gain, str) else gain)
             if own != unit and (gain == 1.0 or is_of(own, unit)) and not isinstance(gain, str):
-                raw = converted(raw, unit, own)
+                zero, at_one = (converted(x, own, unit) for x in (0.0, 1.0))
+                raw = (raw - zero) / (at_one - zero)
             if name == "friction":
                 raw[-len(self.readings["velocity"]) :] = math.nan
             table[column] = raw
