@@ -214,7 +214,7 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
 
     new = {name: longer(first.values(name), x) for name, x in new.items()}
     return Measurement(
-        **new,
+        **new, conditions=first.conditions,
         inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
         uncertainty={name: longer(x, np.full(len(rows.velocity), np.median(x)))
                      for name, x in first.uncertainty.items() if name in new},

@@ -345,7 +345,7 @@ class FurtherPlan(Tabular):
         if self.sheet is None:
             return ""
         reading = reading or Reading()
-        layout, table, heads = reading.layout or Layout(), self.sheet.to_dataframe(), []
+        layout, table, heads = reading.layout or Layout(), self.sheet.to_dataframe(), {}
         for column in table:
             name, unit = column[:-1].split(" [")
             own, gain = reading.units.get(name, unit), reading.gain.get(name, 1.0)
@@ -358,12 +358,13 @@ class FurtherPlan(Tabular):
                 raw[-len(self.readings["velocity"]) :] = math.nan
             table[column] = raw
             usual = name.replace("friction", str(reading.columns.get("friction", "friction")))
-            heads.append((str(reading.columns.get(name, usual)), own))
-        top = [[f"{head} [{own}]" for head, own in heads], [own for _, own in heads]]
+            heads[f"{reading.columns.get(name, usual)} [{own}]"] = own
+        for name in reading.conditions:
+            table[name], heads[name] = self.sheet.conditions.get(name, ""), ""
         text = io.StringIO()
         text.write("\n" * layout.preface)
         writer = csv.writer(text, delimiter=layout.separator, lineterminator="\n")
-        writer.writerows(top[: 1 + layout.units_row])
+        writer.writerows([[*heads], [*heads.values()]][: 1 + layout.units_row])
         table.to_csv(text, sep=layout.separator, decimal=layout.decimal, index=False, header=False,
                      lineterminator="\n", float_format="%.12g")  # fmt: skip
         return text.getvalue()
