@@ -320,7 +320,7 @@ class FurtherPlan(Tabular):
         import pandas as pd
 
         rows = pd.DataFrame() if self.sheet is None else self.sheet.to_dataframe()
-        rows = rows[[name for name in rows if not name.startswith("friction")]]
+        rows = rows[[name for name in map(str, rows) if not name.startswith("friction")]]
         return rows.tail(len(self.readings.get("velocity", ()))).reset_index(drop=True)
 
     def csv(self, reading: Reading | None = None) -> str:
@@ -346,7 +346,7 @@ class FurtherPlan(Tabular):
             return ""
         reading = reading or Reading()
         layout, table, heads = reading.layout or Layout(), self.sheet.to_dataframe(), {}
-        for column in table:
+        for column in map(str, table):
             name, unit = column[:-1].split(" [")
             own, gain = reading.units.get(name, unit), reading.gain.get(name, 1.0)
             raw = table[column].to_numpy() + reading.offset.get(name, 0.0)
