@@ -10,7 +10,6 @@ from stickslip.identify.kinds.kind import page_table as page_table
 from stickslip.identify.kinds.kind import terminal_table as terminal_table
 from stickslip.identify.kinds.plan_sheet import FurtherPlan as FurtherPlan
 from stickslip.identify.kinds.plan_sheet import Plan as Plan
-from stickslip.identify.kinds.plan_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.identify.kinds.plan_sheet import further_plan as further_plan
 from stickslip.identify.kinds.plan_sheet import plan_sections as plan_sections
 from stickslip.identify.kinds.registry import AnyKind as AnyKind

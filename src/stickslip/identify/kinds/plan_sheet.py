@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.data import Layout, Measurement, Reading
-from stickslip.data.units import gain_factor
+from stickslip.data import Layout, Measurement, Reading, gain_factor
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import BandVerdict, Verdict

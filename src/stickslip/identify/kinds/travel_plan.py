@@ -202,8 +202,10 @@ def plan(
     Examples
     --------
     >>> from stickslip import SpringBlock
+    >>> from stickslip.identify import FurtherPlan, Plan
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
+    >>> assert isinstance(sheet, Plan)  # which type checkers do not know
     >>> [one.value for one in sheet.settings], sheet.repeats
     ([0.04, 0.06, 0.08, 0.1], 3)
     >>> {one.path: f"{one.needed:.2g}" for one in sheet.preparations}
@@ -214,10 +216,11 @@ def plan(
     Readings beside a table of friction:
 
     >>> import numpy as np
-    >>> from stickslip import Axis
+    >>> from stickslip import Axis, Measurement
     >>> v = np.linspace(0.1, 1.0, 10)
     >>> noise = 0.05 * np.random.default_rng(1).normal(size=10)
     >>> further = plan(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
+    >>> assert isinstance(further, FurtherPlan)
     >>> len(further.readings["velocity"])
     10
     """
