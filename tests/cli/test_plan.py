@@ -100,6 +100,12 @@ def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
         (("--uncertainty", "2 kg"), "--uncertainty .*must be in m"),
         (("--settings", "40"), "at most 12, got 40"),
         (("--law", "culomb"), "culomb"),
+        (
+            ("--readings", "3", "--settings", "4"),
+            "readings must be at least 4, one at each setting",
+        ),
+        (("--vary", "mass"), "--vary has no effect on a plan of travels to rest"),
+        (("--route", "balance"), "--route has no effect on a plan of travels to rest"),
     ],
 )
 def test_a_wrong_option_is_named(run, folder, options, said):
@@ -155,7 +161,7 @@ def test_a_table_with_measured_travels_is_never_replaced(folder, run):
     filled = table.read_text().replace(",\n", ",204\n")
     table.write_text(filled)
     code, _, err = run(*asked, "--force")
-    assert (code, "sheet.csv is no empty table of a lab sheet" in err) == (2, True)
+    assert (code, "sheet.csv has rows that the new table lacks" in err) == (2, True)
     assert table.read_text() == filled
 
 
@@ -184,13 +190,53 @@ def test_readings_of_a_table_are_planned_filled_in_and_selected(run, folder, tab
     assert 0.0199 < min(speeds) <= max(speeds) < 0.401
     low, middle, high = content["band_shrinks_to"]
     assert low < middle < high < 1.2
-    assert 0.0 <= content["halves_or_decides"] < 0.5
+    assert 0.0 <= content["halves_or_decides"] <= 1.0
     head, *rows = (folder / "next.csv").read_text().splitlines()
     assert (head, len(rows)) == ("velocity [m/s],friction [N]", 18)
     assert rows[12:] == [f"{v:g}," for v in speeds]
     filled = [row + "2.3" * row.endswith(",") for row in rows]
     (folder / "next.csv").write_text("\n".join([head, *filled]) + "\n")
     assert run("check", "axis.toml", "--data", "next.csv")[0] == 0
+    code, _, err = run("plan", *asked, "--force")
+    assert (code, "next.csv has rows that the new table lacks" in err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("-o", "table.csv", "--force"), "table.csv is read by this command"),
+        (("--between", "1..2"), "--between has no effect on a plan beside a table"),
+        (("--settings", "4"), "--settings has no effect on a plan beside a table"),
+        (("--uncertainty", "2mm"), "--uncertainty has no effect on a plan beside a table"),
+    ],
+)
+def test_what_has_no_effect_on_further_readings_is_refused(run, folder, table, options, said):
+    before = (folder / "table.csv").read_text()
+    code, _, err = run("plan", "axis.toml", "--data", "table.csv", *options)
+    assert (code, said in " ".join(err.split())) == (2, True)
+    assert (folder / "table.csv").read_text() == before
+
+
+def test_a_rig_file_of_init_reads_the_table_of_its_plan(run, folder, table):
+    rows = np.loadtxt(folder / "table.csv", delimiter=",", skiprows=1)
+    lines = [f"{1e3 * v:.5f};{1e-3 * f:.7f};35" for v, f in rows]
+    text = "\n".join(["Speed (mm/s);Ff (kN);Temp (degC)", *lines]) + "\n"
+    (folder / "own.csv").write_text(text.replace(".", ","))
+    assert run("init", "own.csv")[0] == 0
+    code, out, err = run(
+        "plan", "own.toml", "--readings", "2", "-o", "next.csv", "--law", "coulomb"
+    )
+    assert code == 0, err
+    assert "velocity [m/s]" in out
+    assert "lists them" not in out
+    *_, first, second = (folder / "next.csv").read_text().splitlines()
+    assert first.endswith(";;35")  # the temperature is a condition
+    assert second.endswith(";;35")
+    filled = (folder / "next.csv").read_text().replace(";;", ";0,0023;")
+    (folder / "next.csv").write_text(filled)
+    code, out, err = run("select", "own.toml", "--data", "next.csv", "--laws", "coulomb", "--json")
+    assert code in (0, 3), err
+    assert json.loads(out)["schema"].startswith("stickslip/select")
 
 
 def test_no_more_readings_of_a_table_are_planned_than_were_made(run, table):

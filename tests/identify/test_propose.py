@@ -95,3 +95,17 @@ def test_what_another_run_is_expected_to_show_is_what_drawn_runs_come_to():
         came.append(np.quantile(np.abs(chosen * random.normal(size=2_000)), 0.95))
     expected = widths_of_another(sizes.tolist(), prior, 0.0, 1)[1]
     assert expected == pytest.approx(np.mean(came) / today, abs=0.06)
+
+
+def test_as_many_readings_as_are_asked_for_are_proposed_however_little_they_gain():
+    level = np.random.default_rng(0).normal(size=(400, 1))
+    few = propose(level, level, 10.0, taken=1, enough=0.0)
+    assert few.places == (0,)
+    assert 0.95 < few.shrinks < 1.0
+    assert propose(level, level, 10.0, taken=1).places == ()
+
+
+def test_a_law_without_probability_counts_for_nothing():
+    level, other = np.random.default_rng(0).normal(size=(2, 400, 1))
+    alone = width_after(level, [level + other], [1.0])
+    assert width_after(level, [level + other, other], [1.0, 0.0]) == alone

@@ -46,11 +46,11 @@ def test_few_places_are_listed_and_many_are_counted():
     assert "4 m/s (2)" in said
     assert "halve" not in said
     more = advice_sentence(Proposal(places=(0,), shrinks=0.7, halves=12), ["1 m/s"])
-    assert more.endswith("70 % as wide; about 12 in all, chosen so, would halve it.")
+    assert more.endswith("70 % as wide; about 12 such readings would halve it.")
     some = advice_sentence(Proposal(places=(0,), shrinks=0.7, least=0.42), ["1 m/s"])
     assert some.endswith("70 % as wide.")
     never = advice_sentence(Proposal(places=(0,), shrinks=0.7, least=0.6), ["1 m/s"])
-    assert never.endswith("even 300, chosen so, are not expected to halve it.")
+    assert never.endswith("even 300 such readings are not expected to halve it.")
 
 
 def test_laws_that_are_not_told_apart_have_other_names(verdict):

@@ -6,9 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Axis, Measurement, plan, select
+from stickslip import Axis, Measurement, SpringBlock, load_measurement, plan, select
+from stickslip.data import Layout, Reading
 from stickslip.errors import InputError
 from stickslip.identify import FurtherPlan
+from stickslip.identify.kinds.plan_sheet import _settable
+from stickslip.identify.problems.table_model import Rows
+from stickslip.identify.selection import with_readings
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.tile(np.geomspace(0.01, 0.3, 6), 3)
@@ -73,3 +77,94 @@ def test_a_record_has_no_readings_and_is_told_what_select_proposes():
     assert further.csv() == ""
     with pytest.raises(InputError, match="this measurement is neither"):
         plan(AXIS, None, record, readings=4)
+
+
+READINGS = (
+    Reading(),
+    Reading(columns={"velocity": "Speed (mm/s)", "friction": "F"},
+            units={"velocity": "mm/s", "friction": "kN"}),
+    Reading(units={"velocity": "mm/s"}, gain={"friction": -1}),
+    Reading(columns={"friction": "U"}, units={"friction": "V"}, gain={"friction": 35.0}),
+    Reading(units={"friction": "V", "temperature": "K"}, gain={"friction": "35 N/V"}),
+    Reading(offset={"friction": 0.5}),
+    Reading(columns={"velocity": "Speed"}, units={"velocity": "mm/s"},
+            layout=Layout(separator=";", decimal=",", preface=2, units_row=True)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("reading", READINGS, ids=range(len(READINGS)))
+def test_the_table_has_the_columns_units_and_layout_of_the_rig(reading, tmp_path):
+    v, f, t = np.array([[0.1, 0.2, 0.3, 0.15], [1.0, 2.0, 3.0, 0.0], [20.0, 25.0, 30.0, 27.0]])
+    sheet = Measurement(
+        velocity=v, friction=f, load=np.full(4, 5.0), inputs={"temperature": t},
+        uncertainty={"friction": np.array([0.1, 0.2, 0.1, 0.1])},
+    )  # fmt: skip
+    further = FurtherPlan(verdict=None, lines=(), readings={"velocity": (0.15,)}, sheet=sheet)
+    separator = (reading.layout or Layout()).separator
+    *rows, made, new = further.csv(reading).splitlines()
+    cells = new.split(separator)
+    assert cells[1] == ""
+    cells[1] = made.split(separator)[1]  # 3 N
+    (tmp_path / "next.csv").write_text("\n".join([*rows, made, separator.join(cells)]) + "\n")
+    given = {"layout": reading.layout} if reading.layout else {}
+    again = load_measurement(
+        tmp_path / "next.csv", columns=reading.columns, units=reading.units, gain=reading.gain,
+        offset=reading.offset, **given,
+    )  # fmt: skip
+    np.testing.assert_allclose(again.values("velocity"), v, rtol=1e-9)
+    np.testing.assert_allclose(again.values("friction"), [1.0, 2.0, 3.0, 3.0], rtol=1e-9)
+    np.testing.assert_allclose(again.inputs["temperature"], t, rtol=1e-9)
+    np.testing.assert_allclose(again.uncertainty["friction"], [0.1, 0.2, 0.1, 0.1], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("values", "known", "expected"),
+    [
+        ([1234.4999], [1234.5, 1234.5], [1234.5]),  # does not vary
+        ([298.3512, 0.0], [298.15, 299.65], [298.35, 0.0]),
+        ([0.00123456, -0.456789], [-1.0, 1.0], [0.00123, -0.457]),
+    ],
+)
+def test_settings_have_digits_enough_for_what_they_span(values, known, expected):
+    assert _settable(np.array(values), np.array(known)).tolist() == expected
+
+
+def test_an_input_that_never_changed_stays_in_the_table():
+    first = Measurement(
+        velocity=SPEEDS[:3], friction=SPEEDS[:3], inputs={"temperature": np.full(3, 35.0)}
+    )
+    one = np.array([0.05])
+    rows = Rows(velocity=one, load=np.ones(1), run=np.zeros(1), order=one, inputs={})
+    assert with_readings(first, rows).inputs["temperature"].tolist() == [35.0] * 4
+
+
+def test_few_readings_are_given_with_their_small_gain():
+    v = np.linspace(0.05, 0.4, 40)
+    further = plan(AXIS, "viscous", Measurement(velocity=v, friction=noisy(3.0 * v)), readings=1)
+    assert len(further.readings["velocity"]) == len(further.to_dataframe()) == 1
+    assert "as wide" in further.sentence
+    assert "<table>" in further._repr_html_()
+
+
+BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
+TABLE = Measurement(velocity=SPEEDS, friction=1.0 + SPEEDS)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "measurement", "options", "said"),
+    [
+        (AXIS, TABLE, {"between": (1.0, 2.0)}, "between has no effect"),
+        (AXIS, TABLE, {"settings": 4}, "settings has no effect"),
+        (AXIS, TABLE, {"parameter_uncertainties": {}}, "parameter_uncertainties has no effect"),
+        (AXIS, TABLE, {"readings": 0}, "readings .* at least 1"),
+        (BLOCK, None, {"vary": "mass"}, "vary has no effect on a plan of travels"),
+        (BLOCK, None, {"readings": 0}, "readings .* at least 1"),
+        (BLOCK, None, {"readings": -7}, "readings .* at least 1"),
+        (BLOCK, None, {"readings": 1}, "readings must be at least 2"),
+        (BLOCK, None, {"readings": 5, "settings": 6}, "readings must be at least 6"),
+        (AXIS, TABLE, {"vary": "inertia"}, "no effect on `select` and `plan`"),
+    ],
+)
+def test_what_has_no_effect_or_no_sense_is_refused(mechanism, measurement, options, said):
+    with pytest.raises(InputError, match=said):
+        plan(mechanism, None, measurement, **options)

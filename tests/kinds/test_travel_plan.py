@@ -392,3 +392,8 @@ def test_no_more_runs_are_planned_than_are_asked_for(three):
     few = plan(BLOCK, ["coulomb", "viscous", "coulomb-viscous"], uncertainty=SIGMA, readings=9)
     assert len(few.runs()) == 8  # two at each of four settings
     assert few.settings[0].expected > three.settings[0].expected
+    assert all(many is None or many > 2 for many in few.tellings.values())
+    assert few.sentence.endswith(f"They distinguish 0 of {len(few.tellings)} pairs of laws.")
+    least = plan(BLOCK, ["coulomb", "viscous"], uncertainty=SIGMA, readings=3)
+    assert len(least.runs()) == len(least.settings) == 3
+    assert "1 run each: 3 travels" in least.sentence

@@ -77,11 +77,7 @@ def note(text: str) -> None:
 
 
 def show_table(
-    title: str,
-    heads: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    *,
-    whole: Collection[str] = (),
+    title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], *, whole: Collection[str] = ()
 ) -> None:
     """Print a table; what looks like markup of the console is text.
 
@@ -248,12 +244,7 @@ def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
 
 
 def refuse_overwriting(
-    path: Path,
-    folder: Path,
-    *,
-    force: bool,
-    option: str = "-o",
-    files: Collection[str] = (),
+    path: Path, folder: Path, *, force: bool, option: str = "-o", files: Collection[str] = ()
 ) -> None:
     """Refuse early what could not be written into a folder in the end; leave no trace.
 

@@ -648,10 +648,7 @@ def watching(
     def text(error: float) -> str:
         return kind.residual_text(error, request)
 
-    with (
-        Interrupts() as interrupts,
-        Searching(names, text, interrupts) as bar,
-    ):
+    with Interrupts() as interrupts, Searching(names, text, interrupts) as bar:
         yield bar
 
 

@@ -26,6 +26,7 @@ from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
 from stickslip.quantities import Quantity, parameters
 from stickslip.show import documents
+from stickslip.show.formatting import number
 from stickslip.show.report import Origin, Page, render
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ BETWEEN = r",(?![^\[]*\])"
 NO_LAW = 3
 """Exit code where no law is recommended."""
 CRITERIA_FAILED = 4
+EMPTY_CELL = re.compile(r"(?:^|[,;\t])(?=[,;\t]|$)")
 
 
 def run_select(options: SelectOptions) -> None:
@@ -295,7 +297,7 @@ def _show_fit(result: Fit, shown: kinds.FitSummary) -> None:
 
 
 def run_plan(options: PlanOptions) -> None:
-    """Plan, write the sheet, show."""
+    """Plan, write the table to fill in, show."""
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
     travels, laws, further = rig.measurement, laws_of(rig, options.laws), None
     if options.data or (travels is not None and kinds.is_further(rig.mechanism, travels)):
@@ -305,21 +307,23 @@ def run_plan(options: PlanOptions) -> None:
         travels = request.measurement
         if kinds.is_further(rig.mechanism, travels):
             further = kind, replace(request, laws=laws)
-    files = [options.output] if options.output is not None else []
-    for file in files:
-        if file.suffix.lower() != ".csv":
-            raise InputError(f"the table to fill in is written as a .csv file, got {file}.")
-        terminal.refuse_overwriting(file, file.parent, force=options.force)
+    given_too = vars(options) | {"vary": options.vary or None}
+    kinds.refuse_ignored(given_too, further=further is not None, prefix="--")
+    output = options.output
     result: kinds.Plan | kinds.FurtherPlan
+    if output is not None:
+        if output.suffix.lower() != ".csv":
+            raise InputError(f"the table to fill in is written as a .csv file, got {output}.")
+        terminal.refuse_overwriting(output, output.parent, force=options.force)
+        terminal.refuse_inputs(output, [rig.path, *rig.files, *options.data])
     if further is not None:
-        if files and further[0].content != "tables":
+        if output is not None and further[0].content != "tables":
             raise InputError(f"-o writes readings to make, and {further[0].measured} have none.")
         result = kinds.further_plan(_selected(*further), options.readings)
+        text = result.csv(rig.reading.with_changes(terminal.reading_of(options)))
     else:
-        _refuse_filled_in(files)
-        between = _between(
-            kinds.setting_of(rig.mechanism, travels, rig.t_end), rig, options.between
-        )
+        knob = kinds.setting_of(rig.mechanism, travels, rig.t_end)
+        between = _between(knob, rig, options.between)
         if not options.as_json:
             terminal.note("Simulating the predictions of the laws ...")
         result = kinds.plan(
@@ -333,39 +337,40 @@ def run_plan(options: PlanOptions) -> None:
             t_end=rig.t_end,
             readings=options.readings,
         )
-    files = files if result.csv() else []  # there may be nothing worth reading
-    for file in files:
-        documents.write_files({file: result.csv()})
+        text = result.csv()
+    files = [output] if output is not None and text else []  # there may be nothing worth reading
+    if output is not None and text:
+        _refuse_loss(output, text)
+        documents.write_files({output: text})
     if options.as_json:
         content = {"rig": rig.heading, "digest": rig.digest, **result.to_dict()}
         terminal.print_json(documents.document("plan", content | {"files": [*map(str, files)]}))
         return
     _show_plan(result)
-    if files:
-        terminal.stdout().print(f"\nWritten: {files[0]}, to fill in.")
+    if output is not None:
+        said = f"Written: {output}, to fill in." if files else f"{output} is not written."
+        terminal.stdout().print(f"\n{said}")
 
 
-def _refuse_filled_in(tables: Sequence[Path]) -> None:
-    """Refuse to replace a table with measured travels, or another one."""
-    for table in filter(Path.exists, tables):
-        try:
-            text = documents.regular_bytes(table).decode("utf-8", "replace")
-        except OSError as error:
-            raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
-        head, *rows = text.splitlines() or [""]
-        if not head.endswith(f",{kinds.TRAVEL_COLUMN}") or any(row[-1:] != "," for row in rows):
-            raise InputError(
-                f"{table} is no empty table of a lab sheet, so it is not replaced: move it, or give"
-                " another -o."
-            )
+def _refuse_loss(table: Path, text: str) -> None:
+    """Refuse to replace a file in which a row without an empty cell is not in the new text."""
+    if not table.exists():
+        return
+    try:
+        lines = documents.regular_bytes(table).decode("utf-8", "replace").splitlines()
+    except OSError as error:
+        raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
+    if {line for line in lines if not EMPTY_CELL.search(line)} - {*text.splitlines()}:
+        raise InputError(
+            f"{table} has rows that the new table lacks, so it is not replaced: move it, or give"
+            " another -o."
+        )
 
 
 def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:
     """Return the ends of a range, in the unit of what is set."""
-    if text is None:
-        return None
     known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
-    return terminal.range_of("--between", text, known[path])
+    return None if text is None else terminal.range_of("--between", text, known[path])
 
 
 def _uncertainty(text: str) -> float:
@@ -373,12 +378,16 @@ def _uncertainty(text: str) -> float:
         return terminal.number_of(text, Quantity("u_s", "m", above=0))
 
 
-def _show_plan(found: kinds.Plan | kinds.FurtherPlan) -> None:
+def _show_plan(plan: kinds.Plan | kinds.FurtherPlan) -> None:
     console = terminal.stdout()
-    if isinstance(found, kinds.Plan):
-        terminal.show_sections(kinds.plan_sections(found))
+    if isinstance(plan, kinds.Plan):
+        terminal.show_sections(kinds.plan_sections(plan))
         console.print("\nSave the travels as a CSV file with these columns", style="bold")
-        console.print(f"  {found.csv().splitlines()[0]}")
+        console.print(f"  {plan.csv().splitlines()[0]}")
         return
-    for line in found.lines or [found.sentence]:
+    for line in plan.lines or [plan.sentence]:
         console.print(f"\n{terminal.plain(line)}")
+    if len(rows := plan.to_dataframe()):
+        console.print()
+        cells = [[number(x, 6) for x in row] for row in rows.itertuples(index=False)]
+        terminal.show_table("", [*rows], cells)

@@ -622,8 +622,8 @@ class PlanOptions(RigOptions, DataOptions, WriteOptions):
     between: Annotated[str | None, typer.Option(metavar="LOW..HIGH")] = None
     """Range of settings of the rig, e.g. 40mm..100mm; default: those of the trials and the rig
     file, or 0.4 to 1 times the value in the rig file."""
-    settings: int = 4
-    """Number of settings, 2 to 12."""
+    settings: int | None = None
+    """Number of settings, 2 to 12; default: 4."""
     uncertainty: str | None = None
     """Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm; default: that of
     the rig's trials, or 2 % of the longest travel."""

@@ -95,6 +95,7 @@ from stickslip.data.travels import settled_speed as settled_speed
 from stickslip.data.travels import travels_of_films as travels_of_films
 from stickslip.data.travels import whole_cycles as whole_cycles
 from stickslip.data.units import check_uncertainty as check_uncertainty
+from stickslip.data.units import gain_factor as gain_factor
 from stickslip.data.units import read_gain as read_gain
 from stickslip.data.units import read_number as read_number
 

@@ -20,14 +20,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.described import Described
 from stickslip.show.display import OnAxes, Summary, Tabular, plots, summary_of_table
-from stickslip.show.formatting import (
-    Scale,
-    count,
-    joined,
-    number,
-    scale_of,
-    significant,
-)
+from stickslip.show.formatting import Scale, count, joined, number, scale_of, significant
 
 if TYPE_CHECKING:
     import pandas as pd

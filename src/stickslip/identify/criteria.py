@@ -12,12 +12,7 @@ from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import BreakAway, FixedStep, Method
 from stickslip.engine.trajectory import Status, Trajectory
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits import (
-    READINGS,
-    ROUNDING,
-    Estimate,
-    Fit,
-)
+from stickslip.identify.fits import READINGS, ROUNDING, Estimate, Fit
 from stickslip.maths import Latches
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.quantities import parameters

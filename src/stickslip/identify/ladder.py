@@ -348,8 +348,14 @@ def readings_sentence(
     places: Sequence[float],
     conditions: Mapping[str, Sequence[float]],
     measurement: Measurement,
+    *,
+    listed: bool = False,
 ) -> str:
-    """Return which readings to make, at velocities and conditions (n,), and what they gain."""
+    """Return which readings to make, at velocities and conditions (n,), and what they gain.
+
+    Velocities, loads and inputs are in SI. Where a list of the readings does not follow the
+    sentence (`listed`), it says what lists them.
+    """
     texts = [quantity(v, measurement.unit("velocity"), 2) for v in places]
     for k, text in enumerate(texts if conditions else ()):
         values = {name: x[k] for name, x in conditions.items()}
@@ -357,7 +363,7 @@ def readings_sentence(
         said += [inputs_text(values, turning=measurement.turning)] if values else []
         texts[k] = f"{text} at {joined(said)}"
     texts = [text for _, text in sorted(zip(places, texts, strict=True))]
-    return advice_sentence(proposal, texts) if texts else NO_READINGS
+    return advice_sentence(proposal, texts, listed=listed) if texts else NO_READINGS
 
 
 def ladder_verdict(

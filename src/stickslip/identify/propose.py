@@ -73,7 +73,8 @@ def propose(
     have a mean and a covariance :math:`K` over all of them. Reading place :math:`j` with noise
     :math:`S_j` takes :math:`K_{ij} (K_{jj} + S_j)^{-1} K_{ji}` off the variance at place :math:`i`
     (linear Gaussian update); the place that takes off most of the mean variance is taken, and the
-    next one after the update, until the expected width is `enough`. Of a known law as many
+    next one after the update, until the expected width is `enough`; of 0, as many as may be taken
+    are, however little they gain. Of a known law as many
     readings as were taken leave 1/sqrt(2) of the width, however they are chosen: it is counted how
     many halve it. `noise` are standard deviations (m,) or (m, r), and `rest` is the variance (n,)
     that no reading takes off, such as that from run to run. Errors of readings that repeats do not
@@ -132,7 +133,7 @@ def propose(
         shrinks.append(width() / start)
     some = min(taken, len(chosen))
     widths = tuple(shrinks[1 : some + 1])
-    if shrinks[some] >= WORTH:
+    if enough and shrinks[some] >= WORTH:
         return Proposal(places=(), shrinks=1.0, widths=widths)
     halves = next((k for k, x in enumerate(shrinks) if x <= HALVED), None)
     return Proposal(
@@ -217,7 +218,8 @@ def width_after(points: Array, seen: Sequence[Array], shares: Sequence[float]) -
     True
     """
     top = max(shares)
-    seen = [x[:: max(round(top / share), 1)] for x, share in zip(seen, shares, strict=True)]
+    pairs = zip(seen, shares, strict=True)
+    seen = [x[:: max(round(top / share), 1)] for x, share in pairs if share > 0.0]
     rows = np.concatenate(seen)
     law = np.repeat(np.arange(len(seen)), [len(item) for item in seen])
     asked = points if len(seen) == 1 else (law[:, None] == np.arange(1, len(seen))).astype(float)

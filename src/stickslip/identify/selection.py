@@ -92,11 +92,7 @@ def checked(
         refuse_unused(validate, inside(mechanism, validate))
         refuse_same(measurement, validate)
         checked(
-            mechanism,
-            validate,
-            which="The second record",
-            unknown=unknown,
-            conditions=conditions,
+            mechanism, validate, which="The second record", unknown=unknown, conditions=conditions
         )
     checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
     if checks.worst == "error":
@@ -200,11 +196,15 @@ def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
 
 
 def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
-    """Return a table with rows to fill in, whose friction is 0 so far; of trials as another one."""
+    """Return a table with rows to fill in, whose friction is 0 so far; of trials as another one.
+
+    Rows are in SI; inputs that did not change have their value in them too.
+    """
     first, *others = measurement.records()
     new: dict[str, Any] = {"velocity": rows.velocity, "friction": 0.0 * rows.velocity}
     new |= {} if first.load is None else {LOAD: rows.load}
-    inputs = {name: rows.inputs[name] for name in first.inputs if name in rows.inputs}
+    inputs = {name: rows.inputs.get(name, np.full(len(rows.velocity), np.median(x)))
+              for name, x in first.inputs.items()}  # fmt: skip
     if others:
         return Measurement(**new, inputs=inputs, turning=measurement.turning)
     shape = np.shape(first.values("friction"))
@@ -214,7 +214,7 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
 
     new = {name: longer(first.values(name), x) for name, x in new.items()}
     return Measurement(
-        **new,
+        **new, conditions=first.conditions,
         inputs={name: longer(first.inputs[name], x) for name, x in inputs.items()},
         uncertainty={name: longer(x, np.full(len(rows.velocity), np.median(x)))
                      for name, x in first.uncertainty.items() if name in new},
@@ -225,13 +225,13 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
 def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[np.bool_]"]:
     """Return to which widths of the band readings at rows may come, and whether they leave one law.
 
-    Widths (k,) over that of now; laws (k,) that are one already are not left by them. Laws are
-    those of a thousandth of the likeliest's mass.
+    Rows are in SI, widths (k,) over that of now; laws (k,) that are one already are not left by
+    them. Laws are those of a thousandth of the likeliest's mass.
     """
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
     posterior, model, taken = problem.posterior, problem.model, len(rows.velocity)
-    asked, grown, _, rest = _wanted(judgement)
+    aims, grown, _, rest = _wanted(judgement)
     noise, shared = problem.errors(rows)
     far = np.array([model.unexplained(x) for x in posterior.nodes])[:, None]
     far = far > judgement.tolerance * problem.size
@@ -243,12 +243,12 @@ def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[n
     midway, every = replace(rows, order=np.full(taken, 0.5)), []
     for mass, only in laws:
         draws = posterior.draws(EACH, seed=1, only=only)
-        wanted, read = (within_band(problem.steady(at, draws)) for at in (asked, midway))
+        wanted, read = (within_band(problem.steady(at, draws)) for at in (aims, midway))
         every.append((mass, wanted / grown, read))
     sizes = np.hypot([*map(model.sigma, posterior.nodes)], np.median(problem.table.stated))
     sizes, weights = np.log(sizes), posterior.weights.sum(axis=1)
-    told = taken / (taken + problem.table.total)
-    doubt = math.sqrt(told * float(weights @ (sizes - weights @ sizes) ** 2))
+    share = taken / (taken + problem.table.total)
+    doubt = math.sqrt(share * float(weights @ (sizes - weights @ sizes) ** 2))
     widths, alone = rehearsed(every, np.diag(noise**2) + shared, rest, doubt, RIVAL)
     return widths, alone & (len(judgement.set) > 1)
 

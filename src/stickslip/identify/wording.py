@@ -183,16 +183,19 @@ NO_RECORDS = (
 )
 
 
-def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
-    """Return what to measure next, at places in the order of the speeds, and what it gains."""
+def advice_sentence(proposal: Proposal, places: Sequence[str], *, listed: bool = False) -> str:
+    """Return what to measure next, at places in the order of the speeds, and what it gains.
+
+    It says what lists many readings, if no list follows.
+    """
     counts: dict[str, int] = {}
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
     if (proposal.halves or 0) > len(places):
-        expected += f"; about {proposal.halves} in all, chosen so, would halve it"
+        expected += f"; about {proposal.halves} such readings would halve it"
     elif proposal.halves is None and proposal.least > 0.5:
-        expected += f"; even {COUNTED}, chosen so, are not expected to halve it"
+        expected += f"; even {COUNTED} such readings are not expected to halve it"
     if len(counts) <= MOST:
         named = [p if n == 1 else f"{p} ({n} readings)" for p, n in counts.items()]
         return f"Measure at {joined(named)}: {expected}."
@@ -203,7 +206,7 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     said = f"Take {len(places)} readings at {len(counts)} {what} from {first} to {last}"
     if len(places) > len(counts):
         said += f", the most at {joined(named)}"
-    return f"{said} (`stickslip plan` lists them): {expected}."
+    return f"{said}{'' if listed else ' (`stickslip plan` lists them)'}: {expected}."
 
 
 def motions_sentence(shrinks: Sequence[float], share: float) -> str:
@@ -283,13 +286,7 @@ def load_sentence(load: float) -> str:
 
 
 def lacking_sentences(
-    title: str,
-    *,
-    table: bool,
-    off: str,
-    offset: bool,
-    at: str,
-    several: bool,
+    title: str, *, table: bool, off: str, offset: bool, at: str, several: bool
 ) -> tuple[str, ...]:
     """Return what a law that is handed over has otherwise than a title says, or not at all.
 

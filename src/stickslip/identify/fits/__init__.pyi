@@ -60,7 +60,6 @@ from stickslip.identify.fits.settings import BLOCKS as BLOCKS
 from stickslip.identify.fits.settings import CHANCE as CHANCE
 from stickslip.identify.fits.settings import Hold as Hold
 from stickslip.identify.fits.settings import MOST as MOST
-from stickslip.identify.fits.settings import RESOLUTION as RESOLUTION
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import ROUNDS as ROUNDS
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings

@@ -22,21 +22,8 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.kinds.trials import TrialComparison
 from stickslip.mechanisms import Mechanism
-from stickslip.show.formatting import (
-    NO_VALUE,
-    EstimateText,
-    number,
-    with_unit,
-)
-from stickslip.show.report import (
-    Cell,
-    Name,
-    Number,
-    Origin,
-    Row,
-    SectionMaker,
-    Table,
-)
+from stickslip.show.formatting import NO_VALUE, EstimateText, number, with_unit
+from stickslip.show.report import Cell, Name, Number, Origin, Row, SectionMaker, Table
 from stickslip.show.report import Column as PageColumn
 
 # Tables of candidates: one list of columns for DataFrames, terminals and pages.
@@ -107,13 +94,7 @@ def terminal_table(columns: Columns[C], rows: Sequence[C]) -> tuple[list[str], l
     ]
 
 
-def page_table(
-    columns: Columns[C],
-    rows: Sequence[C],
-    *,
-    chosen: C | None,
-    caption: str,
-) -> Table:
+def page_table(columns: Columns[C], rows: Sequence[C], *, chosen: C | None, caption: str) -> Table:
     """Return the table of a page, with the row of a chosen candidate marked."""
     shown = [column for column in columns if column.page and _is_shown(column, rows)]
     heads = tuple(

@@ -1,18 +1,19 @@
-"""What a plan of travels gives back: a sheet to take to the rig, for terminals and pages alike."""
+"""What `plan` returns: runs to rest, or readings to make, with a table to fill in."""
 
 import csv
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.data import Measurement
+from stickslip.data import Layout, Measurement, Reading, gain_factor
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import BandVerdict, Verdict
+from stickslip.identify.bands import Array
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.travels import unit_of, words_of
 from stickslip.identify.ladder import readings_sentence
@@ -23,10 +24,11 @@ from stickslip.identify.selection import (
     settings_of,
     with_readings,
 )
+from stickslip.identify.wording import NO_READINGS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters
 from stickslip.show.described import Described
-from stickslip.show.display import Tabular
+from stickslip.show.display import Tabular, html_of, summary_of_table
 from stickslip.show.formatting import (
     capital,
     count,
@@ -49,6 +51,7 @@ from stickslip.show.report import (
     Section,
     Table,
 )
+from stickslip.units import converted, is_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,9 +61,7 @@ NUMBER = Quantity("n", low=1, high=300)
 TRAVEL_COLUMN = "travel [mm]"
 """Column of the table of runs that is filled in."""
 BLOCK = 6
-"""Settings in one table, so that it fits a terminal of 80 columns and a sheet of paper."""
-NUMERIC: Final = "0123456789\N{MINUS SIGN}"
-"""With what numbers begin."""
+"""Settings in one table, so that it fits a terminal of 80 columns."""
 
 
 def setting_text(value: float, unit: str) -> str:
@@ -204,21 +205,26 @@ class Plan(Tabular):
         unit, factor = unit_of(self.settings[0].unit)
         values = joined([number(factor * setting.value) for setting in self.settings])
         said = (
-            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each: {len(self.runs())}"
-            f" travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
+            f"Set the {self.knob} to {values} {unit}, {count(self.repeats, 'run')} each:"
+            f" {len(self.runs())} travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
         ).replace(" °", "°")
         if self.tellings:
-            known = sum(many is not None for many in self.tellings.values())
-            said += f" They distinguish {known} of {count(len(self.tellings), 'pair')} of laws."
+            said += f" They distinguish {self.distinguished} of laws."
         return said
+
+    @property
+    def distinguished(self) -> str:
+        """How many pairs of laws the planned runs distinguish."""
+        enough = sum((many or math.inf) <= self.repeats for many in self.tellings.values())
+        return f"{enough} of {count(len(self.tellings), 'pair')}"
 
     @property
     def band_sentence(self) -> str:
         """Where the travel is known least, and how well it will be."""
-        one = max(self.settings, key=lambda setting: setting.half)
-        before, after = (quantity(x, "m", 2) for x in (one.half, one.expected))
+        widest = max(self.settings, key=lambda setting: setting.half)
+        before, after = (quantity(x, "m", 2) for x in (widest.half, widest.expected))
         return (
-            f"The travel is known least with the {self.knob} {one.text}: ± {before} over all"
+            f"The travel is known least with the {self.knob} {widest.text}: ± {before} over all"
             f" candidate laws, and ± {after} expected after the runs."
         )
 
@@ -282,9 +288,12 @@ class Plan(Tabular):
     def __repr__(self) -> str:
         return f"<Plan: {self.sentence}>"
 
+    def _repr_html_(self) -> str:
+        return html_of(lambda: summary_of_table(self.sentence, self.to_dataframe()), self)
+
 
 @dataclass(frozen=True, kw_only=True)
-class FurtherPlan(metaclass=Described):
+class FurtherPlan(Tabular):
     """What to measure beside what was measured, and what it is expected to tell."""
 
     verdict: Verdict
@@ -305,14 +314,59 @@ class FurtherPlan(metaclass=Described):
         """What to measure, and what is expected of it."""
         return " ".join(self.lines) or "No further measurement is proposed."
 
-    def csv(self) -> str:
-        """Return the table to fill in, as `load_measurement` reads it; empty if not of a table."""
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the readings to make as a pandas DataFrame, in their order; empty without any."""
+        import pandas as pd
+
+        rows = pd.DataFrame() if self.sheet is None else self.sheet.to_dataframe()
+        rows = rows[[name for name in map(str, rows) if not name.startswith("friction")]]
+        return rows.tail(len(self.readings.get("velocity", ()))).reset_index(drop=True)
+
+    def csv(self, reading: Reading | None = None) -> str:
+        """Return the table to fill in, as `load_measurement` reads it; empty if not of a table.
+
+        Parameters
+        ----------
+        reading : Reading, optional
+            How files of the rig are read: the table then has their columns, units and layout. If
+            not given, quantities have their own names, in SI.
+
+        Returns
+        -------
+        str
+            The table, in which friction of the readings to make is empty.
+
+        Raises
+        ------
+        ParameterError
+            If a quantity cannot be converted to the unit of its column.
+        """
         if self.sheet is None:
             return ""
-        table = self.sheet.to_dataframe()
-        empty = [name for name in table.columns if name.startswith("friction [")]
-        table.loc[table.index[-len(self.readings["velocity"]) :], empty] = math.nan
-        return str(table.to_csv(index=False, lineterminator="\n"))
+        reading = reading or Reading()
+        layout, table, heads = reading.layout or Layout(), self.sheet.to_dataframe(), {}
+        for column in map(str, table):
+            name, unit = column[:-1].split(" [")
+            own, gain = reading.units.get(name, unit), reading.gain.get(name, 1.0)
+            raw = table[column].to_numpy() + reading.offset.get(name, 0.0)
+            raw = raw / (gain_factor(gain, own, unit) if isinstance(gain, str) else gain)
+            if own != unit and (gain == 1.0 or is_of(own, unit)) and not isinstance(gain, str):
+                zero, at_one = (converted(x, own, unit) for x in (0.0, 1.0))
+                raw = (raw - zero) / (at_one - zero)
+            if name == "friction":
+                raw[-len(self.readings["velocity"]) :] = math.nan
+            table[column] = raw
+            usual = name.replace("friction", str(reading.columns.get("friction", "friction")))
+            heads[f"{reading.columns.get(name, usual)} [{own}]"] = own
+        for name in reading.conditions:
+            table[name], heads[name] = self.sheet.conditions.get(name, ""), ""
+        text = io.StringIO()
+        text.write("\n" * layout.preface)
+        writer = csv.writer(text, delimiter=layout.separator, lineterminator="\n")
+        writer.writerows([[*heads], [*heads.values()]][: 1 + layout.units_row])
+        table.to_csv(text, sep=layout.separator, decimal=layout.decimal, index=False, header=False,
+                     lineterminator="\n", float_format="%.12g")  # fmt: skip
+        return text.getvalue()
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the plan as plain numbers and strings, ready for JSON."""
@@ -324,11 +378,30 @@ class FurtherPlan(metaclass=Described):
             "sheet": self.csv(),
         }
 
+    def _repr_html_(self) -> str:
+        return html_of(lambda: summary_of_table(self.sentence, self.to_dataframe()), self)
+
 
 def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
-    """Return what to measure next by a verdict: of a table, so many readings or fewer.
+    """Return what to measure next by a verdict: of a table, so many readings.
 
-    Readings are no more than were made if no number is given.
+    Parameters
+    ----------
+    verdict : Verdict
+        What `stickslip.select` says of the first measurement.
+    readings : int, optional
+        Number of readings of a table, from 1 to 300. If not given, no more than were made, and
+        none where all are not expected to narrow the band by a twentieth.
+
+    Returns
+    -------
+    FurtherPlan
+        Readings with the width of the band to expect; of records, what the verdict proposes.
+
+    Raises
+    ------
+    InputError
+        If a number of readings is given and the measurement is no table of friction.
 
     Examples
     --------
@@ -351,20 +424,27 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
         return FurtherPlan(verdict=verdict, lines=tuple(verdict.words.measure_next))
     many = None if readings is None else int(NUMBER.check("plan", "readings", readings))
     proposal, rows = further_readings(verdict.judgement, many)
-    shown = np.vectorize(lambda x: float(f"{x:.3g}"), otypes=[float])  # as somebody sets it
-    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
-    rows = replace(rows, velocity=shown(rows.velocity), load=shown(rows.load),
-                   inputs={name: shown(x) for name, x in rows.inputs.items()})  # fmt: skip
-    given = settings_of(problem, rows)
-    said = readings_sentence(proposal, **given, measurement=verdict.measurement)
     if not proposal.places:
-        return FurtherPlan(verdict=verdict, lines=(said,))
+        return FurtherPlan(verdict=verdict, lines=(NO_READINGS,))
+    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
+    known = problem.table.rows
+    inputs = {name: _settable(x, known.inputs[name]) for name, x in rows.inputs.items()}
+    rows = replace(rows, velocity=_settable(rows.velocity, known.velocity),
+                   load=_settable(rows.load, known.load), inputs=inputs)  # fmt: skip
     widths, alone = foreseen_widths(verdict.judgement, rows)
     low, middle, high = np.quantile(widths, (0.1, 0.5, 0.9)).tolist()
+    # what halves the band is not said of readings that are expected to do so
+    halves = len(proposal.places) if middle <= 0.5 else proposal.halves
+    given = settings_of(problem, rows)
+    said = readings_sentence(
+        replace(proposal, shrinks=middle, halves=halves), **given, measurement=verdict.measurement,
+        listed=True,
+    )  # fmt: skip
     chance = float(np.mean((2.0 * widths <= 1.0) | alone))
     likely = (
-        f"With a probability of 80 % it comes to {percent(low)} to {percent(high)}, and with"
-        f" {percent(round(chance, 2))} it halves{' or one law is left' * (len(verdict.set) > 1)}."
+        f"With a probability of 80 % its width is {percent(low)} to {percent(high)} of today's; the"
+        f" probability that it halves{' or one law is left' * (len(verdict.set) > 1)} is"
+        f" {'below 1 %' if chance < 0.01 else percent(round(chance, 2))}."
         " Make the readings in the order of the table, which is random."
     )
     return FurtherPlan(
@@ -372,6 +452,16 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
         readings={"velocity": given["places"], **given["conditions"]},
         sheet=with_readings(verdict.measurement, rows),
     )  # fmt: skip
+
+
+def _settable(values: Array, known: Array) -> Array:
+    """Return values (n,) with three digits, or more if what is known (m,) spans less than them."""
+    span = float(np.ptp(known))
+    if not span:
+        return np.full(len(values), known[0])
+    sizes = np.minimum(np.where(values, np.abs(values), span), span)
+    places = (2 - np.floor(np.log10(sizes))).astype(int).tolist()
+    return np.array([round(x, n) for x, n in zip(values.tolist(), places, strict=True)])
 
 
 def plan_sections(plan: Plan) -> tuple[Section, ...]:
@@ -407,21 +497,9 @@ def _uncertainty(plan: Plan) -> str:
     return f"The uncertainty of a travel is {known}, {how}."
 
 
-def _table(
-    heads: Sequence[str], rows: Sequence[Row], caption: str = "", labels: Sequence[str] = ()
-) -> Table:
-    """Return a table, with cards on a phone."""
-    columns: list[Column] = []
-    for i, (head, label) in enumerate(zip(heads, labels or heads, strict=True)):
-        cells = [row.cells[i] for row in rows]
-        # words beside a column of numbers are on its side, or they touch it
-        numeric = any(column.numeric for column in columns) or all(
-            isinstance(cell, str) and cell[:1] in NUMERIC for cell in cells
-        )
-        phone: Any = "label" if i else "show"
-        text = head.replace(" [", "\n[")
-        columns.append(Column(head=text, numeric=numeric, phone=phone, label=label if i else ""))
-    return Table(columns=tuple(columns), rows=tuple(rows), caption=caption)
+def _table(heads: Sequence[str], rows: Sequence[Row], caption: str = "") -> Table:
+    columns = tuple(Column(head=head) for head in heads)
+    return Table(columns=columns, rows=tuple(rows), caption=caption)
 
 
 def _lines(texts: Mapping[str, str]) -> Iterator[Block]:
@@ -469,25 +547,19 @@ def _settings(plan: Plan) -> Section:
     tables = []
     for i in range(0, len(plan.settings), size):
         block = plan.settings[i : i + size]
-        travels = {name: [item.predicted[name] for item in block] for name in plan.laws}
-        rows = [
-            Row(cells=(Name(text=plan.laws[name].title, aside=values_text(plan.laws[name])),
-                       *(fixed(1e3 * x, decimals) for x in values)), chosen=name == plan.reference)
-            for name, values in travels.items()
-        ]  # fmt: skip
-        halves = {
-            "± now": [item.half for item in block],
-            "± expected": [item.expected for item in block],
-        }
-        rows += [
-            Row(cells=(head, *(fixed(1e3 * x, decimals) for x in values)))
-            for head, values in halves.items()
+        lines: list[tuple[Name | str, list[float]]] = [
+            (Name(text=law.title, aside=values_text(law)), [x.predicted[name] for x in block])
+            for name, law in plan.laws.items()
         ]
+        lines.append(("± now", [item.half for item in block]))
+        lines.append(("± expected", [item.expected for item in block]))
+        rows = [Row(cells=(x, *(fixed(1e3 * y, decimals) for y in own))) for x, own in lines]
         heads = ("law", *(number(factor * item.value) for item in block))
-        labels = ("", *(f"at {head} {unit}".replace(" °", "°") for head in heads[1:]))
         last = block[-1] is plan.settings[-1]
-        tables.append(_table(heads, rows, caption if last else "", labels))
-    heading = f"Predicted travel [mm] at each {plan.knob} [{unit}], {plan.repeats} runs each"
+        tables.append(_table(heads, rows, caption if last else ""))
+    heading = (
+        f"Predicted travel [mm] at each {plan.knob} [{unit}], {count(plan.repeats, 'run')} each"
+    )
     return Section(id="settings", nav="Settings", heading=heading, blocks=tuple(tables))
 
 
@@ -519,7 +591,7 @@ def _apart(plan: Plan) -> Section:
     tables = [_table(heads, rows, caption)] if rows else []
     return Section(
         id="apart", nav="Which laws",
-        heading=f"The runs distinguish {len(rows)} of {count(len(plan.tellings), 'pair')} of laws",
+        heading=f"The runs distinguish {plan.distinguished} of laws",
         blocks=(*tables, *_lines({said: f"{pairs}."} if pairs else {})),
     )  # fmt: skip
 

@@ -162,8 +162,8 @@ class FrictionTableKind(BandKind):
         for name, given in (("vary", varied), ("fixed", request.fixed)):
             if given:
                 raise InputError(
-                    f"{name} applies to `fit` of {self.measured}; it has no effect on `select`,"
-                    f" got {joined(sorted(given))}: leave it out."
+                    f"{name} applies to `fit` of {self.measured}; it has no effect on `select` and"
+                    f" `plan`, got {joined(sorted(given))}: leave it out."
                 )
         chosen = Parameters.of(request.mechanism, None, measurement=request.measurement)
         return self._select(request, chosen, request.laws)

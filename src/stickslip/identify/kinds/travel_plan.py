@@ -1,4 +1,4 @@
-r"""The verb `plan`: which travels to measure for a law, how often and how well.
+r"""The verb `plan`: which travels to measure, how often and how well, or what else to measure.
 
 1. *Now*: the judge of `select` takes the travels that were measured, or one that the first law
    makes as the rig stands, and draws laws; the quantiles of their travels over the settings are the
@@ -55,6 +55,7 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.plan_sheet import (
+    NUMBER,
     FurtherPlan,
     Plan,
     Preparation,
@@ -133,7 +134,7 @@ def plan(
     *,
     parameter_uncertainties: Mapping[str, float] | None = None,
     between: tuple[float, float] | None = None,
-    settings: int = 4,
+    settings: int | None = None,
     uncertainty: float | None = None,
     t_end: float = 10.0,
     readings: int | None = None,
@@ -169,8 +170,8 @@ def plan(
         Least and largest setting of what is turned, SI. If not given, from the least to the largest
         of the measured trials and the mechanism as it stands; or from two fifths of the present
         setting to itself where no trial has another.
-    settings : int
-        How many settings, from 2 to 12.
+    settings : int, optional
+        How many settings, from 2 to 12; 4 if not given, or as few as there are readings.
     uncertainty : float, optional
         Standard uncertainty of one travel [m], the scatter of repeats and that of the reading
         together; if not given that of the measurement, the scatter of its repeats if that is
@@ -179,9 +180,12 @@ def plan(
     t_end : float
         Time after which a body counts as stopped [s].
     readings : int, optional
-        Readings of a table, or runs to rest, at most; if not given, no more than a table has.
-    vary, route : optional
-        As `select` takes them, of records.
+        Readings of a table, or runs to rest at most, from 1 to 300; if not given, no more than a
+        table has.
+    vary : str or sequence of str, optional
+        Parameters to fit, as `select` takes them, of records.
+    route : str, optional
+        How the measurement is judged, as `select` takes it; not of travels.
 
     Returns
     -------
@@ -192,23 +196,47 @@ def plan(
     Raises
     ------
     InputError
-        If no travel can be planned for the mechanism, or an argument is out of its range.
+        If no travel can be planned for the mechanism, the measurement cannot be judged, or an
+        argument is out of its range or has no effect on a plan for such a measurement.
 
     Examples
     --------
     >>> from stickslip import SpringBlock
+    >>> from stickslip.identify import FurtherPlan, Plan
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
+    >>> assert isinstance(sheet, Plan)  # which type checkers do not know
     >>> [one.value for one in sheet.settings], sheet.repeats
     ([0.04, 0.06, 0.08, 0.1], 3)
     >>> {one.path: f"{one.needed:.2g}" for one in sheet.preparations}
     {'mechanism.mass': '0.0045', 'mechanism.stiffness': '0.45', 'mechanism.compression': '0.00054'}
     >>> sheet.csv().splitlines()[:2]
     ['name,mechanism.compression [mm],travel [mm]', 'run 1,40,']
+
+    Readings beside a table of friction:
+
+    >>> import numpy as np
+    >>> from stickslip import Axis, Measurement
+    >>> v = np.linspace(0.1, 1.0, 10)
+    >>> noise = 0.05 * np.random.default_rng(1).normal(size=10)
+    >>> further = plan(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
+    >>> assert isinstance(further, FurtherPlan)
+    >>> len(further.readings["velocity"])
+    10
     """
-    if measurement is not None and is_further(mechanism, measurement):
+    if readings is not None:
+        readings = int(NUMBER.check("plan", "readings", readings))
+    further = measurement is not None and is_further(mechanism, measurement)
+    of_travels = {"between": between, "settings": settings, "uncertainty": uncertainty,
+                  "parameter_uncertainties": parameter_uncertainties}  # fmt: skip
+    refuse_ignored(of_travels | {"vary": vary, "route": route}, further=further)
+    if further and measurement is not None:
         return further_plan(select(mechanism, laws, measurement, vary=vary, route=route), readings)
+    if settings is None:
+        settings = min(4, max(readings or 4, 2))
     count = int(COUNT.check("plan", "settings", settings))
+    if readings is not None and readings < count:
+        raise InputError(f"readings must be at least {count}, one at each setting, got {readings}.")
     if uncertainty is not None:
         uncertainty = READING.check("plan", "uncertainty", uncertainty)
     done = _done(mechanism, measurement, t_end)
@@ -240,7 +268,7 @@ def plan(
     )  # fmt: skip
     tellings = bench.tellings()
     repeats = max(LEAST, *(many or 0 for many in tellings.values()), 0)
-    repeats = min(repeats, max((readings or MOST * count) // len(places), 1))
+    repeats = min(repeats, (readings or MOST * count) // len(places))
     band = band_of(now.travels(places))
     expectations = {name: bench.estimates(name, repeats) for name in kept}
     expected = np.max([bench.half_widths(x, repeats)[-len(places) :] for x in kept], axis=0)
@@ -450,6 +478,24 @@ class _Bench:
         )  # fmt: skip
 
 
+def refuse_ignored(given: Mapping[str, object], *, further: bool, prefix: str = "") -> None:
+    """Refuse arguments that have no effect on a plan: of travels, or `further` of others.
+
+    Examples
+    --------
+    >>> refuse_ignored({"route": "balance"}, further=False, prefix="--")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: --route has no effect on a plan of travels to rest: leave it out.
+    """
+    of_travels = ("between", "settings", "uncertainty", "parameter_uncertainties")
+    for name in of_travels if further else ("vary", "route"):
+        if given.get(name) is not None:
+            what = "beside a table or records, but on one of travels" if further else "of travels"
+            raise InputError(
+                f"{prefix}{name} has no effect on a plan {what} to rest: leave it out."
+            )
+
+
 def is_further(mechanism: Mechanism, measurement: Measurement) -> bool:
     """Return whether `select` says what to measure beside a measurement: it is no travel to rest.
 
@@ -581,10 +627,7 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
 
 
 def _range(
-    mechanism: Mechanism,
-    path: str,
-    done: Sequence[Trial],
-    between: tuple[float, float] | None,
+    mechanism: Mechanism, path: str, done: Sequence[Trial], between: tuple[float, float] | None
 ) -> tuple[tuple[float, float], str]:
     """Return the ends of the settings, the smaller one first, and a sentence on where from."""
     known = {p: (q, value) for p, q, value in parameters(mechanism, "mechanism")}

@@ -30,13 +30,7 @@ from stickslip.identify import (
     sections_of,
 )
 from stickslip.identify.bands import Array, quantile_band
-from stickslip.identify.candidates import (
-    check_any,
-    check_apart,
-    friction_of,
-    in_sentence,
-    plain,
-)
+from stickslip.identify.candidates import check_any, check_apart, friction_of, in_sentence, plain
 from stickslip.identify.criteria import Criteria, criteria_of, limits_of
 from stickslip.identify.fits import (
     LAW,

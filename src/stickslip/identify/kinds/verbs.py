@@ -14,11 +14,7 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, RateState
 from stickslip.identify import JointLawFit, LawFit
 from stickslip.identify.candidates import Verdict
-from stickslip.identify.fits import (
-    Fit,
-    RecordSettings,
-    check_given,
-)
+from stickslip.identify.fits import Fit, RecordSettings, check_given
 from stickslip.identify.kinds.kind import Request, SeveralLaws
 from stickslip.identify.kinds.registry import (
     AnyKind,
