@@ -56,6 +56,17 @@ def test_the_table_to_fill_in_has_what_was_read_and_lacks_what_is_to_be(loaded):
     assert tuple(table["velocity [m/s]"][18:]) == loaded.readings["velocity"]
 
 
+def test_the_force_of_a_motor_on_which_friction_depends_is_in_the_table():
+    random, force = np.random.default_rng(2), np.tile([0.0, 1.0, 2.0, 4.0], 6)
+    v = np.repeat([10.0, 20.0, 50.0, 100.0, 150.0, 200.0], 4)
+    friction = 0.05 + 0.03 * force + 1e-3 * v + 0.005 * random.normal(size=24)
+    table = Measurement(velocity=v, friction=friction, force=force)
+    further = plan(AXIS, None, table, readings=3)
+    sheet = pd.read_csv(io.StringIO(further.csv()))
+    assert sheet["force [N]"].notna().all()
+    assert set(sheet["force [N]"].tail(3)) <= {0.0, 1.75, 4.0}  # the mean and the ends
+
+
 def test_trials_get_a_trial_of_their_own():
     trials = tuple(
         Measurement(velocity=SPEEDS[:6], friction=noisy(2.0 + 3.0 * SPEEDS[:6], k), name=f"{k}")

@@ -203,6 +203,7 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
     first, *others = measurement.records()
     new: dict[str, Any] = {"velocity": rows.velocity, "friction": 0.0 * rows.velocity}
     new |= {} if first.load is None else {LOAD: rows.load}
+    new |= {"force": rows.inputs["motor"]} if "motor" in rows.inputs.keys() - first.inputs else {}
     inputs = {name: rows.inputs.get(name, np.full(len(rows.velocity), np.median(x)))
               for name, x in first.inputs.items()}  # fmt: skip
     if others:
