@@ -199,6 +199,10 @@ def test_readings_of_a_table_are_planned_filled_in_and_selected(run, folder, tab
     assert run("check", "axis.toml", "--data", "next.csv")[0] == 0
     code, _, err = run("plan", *asked, "--force")
     assert (code, "next.csv has rows that the new table lacks" in err) == (2, True)
+    for other in ("time,ch1,\n1,2,\n", "velocity [m/s],friction [N]\n0.1,2.0\n0.1,2.0\n"):
+        (folder / "next.csv").write_text(other)
+        assert run("plan", *asked, "--force")[0] == 2
+        assert (folder / "next.csv").read_text() == other
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,23 @@ def test_the_force_of_a_motor_on_which_friction_depends_is_in_the_table():
     assert set(sheet["force [N]"].tail(3)) <= {0.0, 1.75, 4.0}  # the mean and the ends
 
 
+def test_a_condition_that_the_readings_give_stands_once_in_the_table():
+    sheet = Measurement(
+        velocity=np.full(4, 0.1), friction=np.ones(4), inputs={"temperature": np.arange(4.0)}
+    )
+    further = FurtherPlan(verdict=None, lines=(), readings={"velocity": (0.1,)}, sheet=sheet)
+    head = further.csv(Reading(conditions=("temperature",))).splitlines()[0]
+    assert head.count("temperature") == 1
+
+
+def test_a_law_that_does_not_hold_is_planned_for_as_any():
+    random, v = np.random.default_rng(6), np.linspace(0.1, 1.0, 20)
+    friction = (2.0 + 1.2 * v) * (1.0 + 0.01 * random.normal(size=20))
+    further = plan(AXIS, ["coulomb"], Measurement(velocity=v, friction=friction), readings=4)
+    assert isinstance(further, FurtherPlan)
+    assert 0.0 < further.widths[0] <= further.widths[2]
+
+
 def test_trials_get_a_trial_of_their_own():
     trials = tuple(
         Measurement(velocity=SPEEDS[:6], friction=noisy(2.0 + 3.0 * SPEEDS[:6], k), name=f"{k}")

@@ -729,6 +729,10 @@ def test_means_over_stretches_follow_friction_in_a_fast_piece_that_is_sampled_fa
     made = record_of(Measurement(time=t, pull=pull, friction=run.coefficient, load=1.0))
     times, means, count = made.stretches()
     assert len(times) < count.sum() == len(t)
+    near = np.insert(t, 9, t[8] + 1e-12)  # two samples at nearly one time change little
+    friction, pull_near = np.interp(near, t, run.coefficient), np.interp(near, knots, places)
+    twice = Measurement(time=near, pull=pull_near, friction=friction, load=1.0)
+    assert abs(len(record_of(twice).stretches()[0]) - len(times)) <= 2
     there = np.interp(times, t, run.coefficient)
     # 0.1 % of the step of 0.06 at most
     assert np.abs(means - there).max() < 6e-5

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
@@ -40,7 +41,6 @@ BETWEEN = r",(?![^\[]*\])"
 NO_LAW = 3
 """Exit code where no law is recommended."""
 CRITERIA_FAILED = 4
-EMPTY_CELL = re.compile(r"(?:^|[,;\t])(?=[,;\t]|$)")
 
 
 def run_select(options: SelectOptions) -> None:
@@ -341,7 +341,8 @@ def run_plan(options: PlanOptions) -> None:
     files = [output] if output is not None and text else []  # there may be nothing worth reading
     if output is not None and text:
         _refuse_loss(output, text)
-        documents.write_files({output: text})
+        layout = rig.reading.layout
+        documents.write_files({output: text.encode(layout.encoding if layout else "utf-8")})
     if options.as_json:
         content = {"rig": rig.heading, "digest": rig.digest, **result.to_dict()}
         terminal.print_json(documents.document("plan", content | {"files": [*map(str, files)]}))
@@ -353,18 +354,22 @@ def run_plan(options: PlanOptions) -> None:
 
 
 def _refuse_loss(table: Path, text: str) -> None:
-    """Refuse to replace a file in which a row without an empty cell is not in the new text."""
+    """Refuse to replace what is no table to fill in, or has a filled-in row that is not in the new.
+
+    Columns to fill in are those that are empty in the last row of the new text.
+    """
     if not table.exists():
         return
     try:
         lines = documents.regular_bytes(table).decode("utf-8", "replace").splitlines()
     except OSError as error:
         raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
-    if {line for line in lines if not EMPTY_CELL.search(line)} - {*text.splitlines()}:
-        raise InputError(
-            f"{table} has rows that the new table lacks, so it is not replaced: move it, or give"
-            " another -o."
-        )
+    rows = text.splitlines()
+    between = next((mark for mark in "\t;," if mark in rows[-1]), ",")
+    empty = [k for k, cell in enumerate(rows[-1].split(between)) if not cell]
+    filled = [x for x in lines if any(x.split(between)[k : k + 1] != [""] for k in empty)]
+    if lines[:1] != rows[:1] or Counter(filled) - Counter(rows):
+        raise InputError(f"{table} has rows that the new table lacks: move it, or give another -o.")
 
 
 def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:

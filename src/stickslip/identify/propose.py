@@ -170,6 +170,7 @@ def rehearsed(
     (0.07, 1.0)
     """
     rng, mass = np.random.default_rng(5), np.array([item[0] for item in laws])
+    mass[-1] += not mass.any()  # no law of those that are compared
     mass /= mass.sum()
     truths = rng.choice(len(laws), COUNTED, p=mass)
     drawn = np.array([laws[k][2][rng.integers(len(laws[k][2]))] for k in truths])
@@ -195,8 +196,8 @@ def rehearsed(
 
     first, spread, then, left = (np.array(item) for item in zip(*known, strict=True))
     widths = width(weights, then, left) / width(mass[:, None], first, spread)
-    ordered = np.sort(np.vstack([np.zeros(COUNTED), weights[:-1]]), axis=0)
-    alone = np.asarray(ordered[-1] >= odds * ordered[-2])
+    ordered = np.sort(np.vstack([np.zeros((2, COUNTED)), weights[:-1]]), axis=0)
+    alone = np.asarray((ordered[-1] >= odds * ordered[-2]) & (ordered[-1] > 0.0))
     return widths * np.exp(doubt * rng.normal(size=COUNTED)), alone
 
 

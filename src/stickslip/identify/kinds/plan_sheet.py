@@ -358,7 +358,7 @@ class FurtherPlan(Tabular):
             table[column] = raw
             usual = name.replace("friction", str(reading.columns.get("friction", "friction")))
             heads[f"{reading.columns.get(name, usual)} [{own}]"] = own
-        for name in reading.conditions:
+        for name in {*reading.conditions} - self.sheet.inputs.keys():
             table[name], heads[name] = self.sheet.conditions.get(name, ""), ""
         text = io.StringIO()
         text.write("\n" * layout.preface)

@@ -81,6 +81,8 @@ HELD = 0.01
 EXACT = 0.01
 """Error of a step of a run over the scatter of neighbouring rows: many rows tell friction to a
 thirtieth of their scatter."""
+JUST_AFTER = 10
+"""Samples after a step whose median distance is the shortest stretch: two may be nearly one."""
 PLAIN = 1500
 """Up to so many samples are taken as they are; else there are a third as many even stretches of
 time, and as many that widen from each step."""
@@ -146,9 +148,10 @@ class Record:
         edges = [np.linspace(first, last, PLAIN // 3 + 1)]
         # pieces are often sampled at rates of their own: a stretch as long as a sample of a slow
         # piece would hide how friction settles in a fast one
-        shortest = float(np.diff(self.time).min())
         ends = [*self.path.steps[1:], last]
         for step, end in zip(self.path.steps, ends, strict=True):
+            after = np.diff(self.time[self.time >= step][:JUST_AFTER])
+            shortest = float(np.median(after)) if len(after) else last - first
             if end - step > 2.0 * shortest:
                 edges.append(step + np.geomspace(shortest, end - step, PLAIN // 3))
         return np.unique(np.concatenate([*edges, self.path.steps]))
@@ -390,7 +393,7 @@ class VelocitySteps(Simulated):
         free, more = self._free(family), (1.0 + values.get(STRESS, 0.0)) ** power
         changed = {**values}
         if STRESS in values:
-            a = values[DIRECT] / (1.0 if DIRECT in free else more)
+            a = values[DIRECT] / (more if DIRECT not in free and power > 0.0 else 1.0)
             changed |= {DIRECT: a * more, DISTANCE: values[DISTANCE] / more,
                         EVOLVED: values[EVOLVED] + a * (more - 1.0)}  # fmt: skip
         return {name: changed[name] if name in free else x for name, x in values.items()}
