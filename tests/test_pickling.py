@@ -136,6 +136,7 @@ MADE = {
 
 SLOW = {
     "plan": lambda: plan(BLOCK, ["coulomb", "viscous"], uncertainty=0.004),
+    "plan of readings": lambda: plan(AXIS, None, TABLE, readings=3),
     "band": lambda: band_of(
         BLOCK, LAW, LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.24, 0.26)}),
         t_end=1.0, count=20,
@@ -201,7 +202,7 @@ def test_a_result_that_takes_long_comes_back_too(kind):
 
 def test_every_public_result_is_in_a_table(made):
     kinds = {one.__name__ for result in made.values() for one in type(result).__mro__}
-    slow = {"Plan", "SimulatedFit", "SimulatedVerdict"}
+    slow = {"FurtherPlan", "Plan", "SimulatedFit", "SimulatedVerdict"}
     results = {"Checks", "Finding"}
     for door in (engine, identify):
         for name in door.__all__:

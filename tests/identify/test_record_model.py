@@ -14,7 +14,7 @@ from stickslip.identify.forces import Unknown
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
 from stickslip.identify.problems.record_columns import OTHERS, Memory, relaxed
-from stickslip.identify.problems.record_rows import MIDDLE, continued, cutoff_of
+from stickslip.identify.problems.record_rows import continued, cutoff_of
 from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordProblem
 
@@ -312,24 +312,10 @@ def test_a_course_as_large_as_friction_does_not_go_on() -> None:
     assert np.sqrt(np.mean((rows.response - band.median) ** 2)) < 0.1 * LEVEL
 
 
-def test_an_earlier_estimate_is_as_doubtful_in_other_readings() -> None:
-    def pushed(record: Record) -> Record:
-        column = LEVEL * np.cos(1.7 * record.time)
-        unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0, estimated=True)}
-        return replace(record, unknown=unknown)
-
-    problem = RecordProblem([pushed(driven())])
-    rows = problem.like([pushed(driven(2))])
-    band = Judgement(problem).reading_band(rows)
-    column = rows.balance.fixed(MIDDLE)["links.0"][:, 0]
-    wide = np.abs(column) > 0.9 * LEVEL
-    assert np.median((band.high - band.low)[wide]) / 2.0 > 1.6 * LEVEL
-
-
 def test_a_record_without_what_was_estimated_has_readings() -> None:
     record = driven()
     column = LEVEL * np.cos(1.7 * record.time)
-    unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0, estimated=True)}
+    unknown = {"links.0": Unknown(force=column, inertia=0.0, doubt=1.0)}
     problem = RecordProblem([replace(record, unknown=unknown)])
     rows = problem.like([driven(2)])
     band = Judgement(problem).reading_band(rows)
