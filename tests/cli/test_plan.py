@@ -91,6 +91,26 @@ def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
     assert "column 'travel [mm]', line 2: must be a finite number, got nothing" in err
 
 
+def test_readings_are_written_in_the_code_page_of_the_rig(run, folder, table):
+    text = (folder / "table.csv").read_text().replace("friction [N]", "Größe")
+    (folder / "table.csv").write_bytes(text.encode("cp1252"))
+    (folder / "old.toml").write_text(
+        '[mechanism]\ntype = "axis"\ninertia = "1 kg"\n[data]\nfile = "table.csv"\n'
+        'columns = { velocity = "velocity [m/s]", friction = "Größe" }\n'
+        '[data.layout]\nencoding = "cp1252"\n'
+    )
+    asked = ("plan", "old.toml", "--readings", "2", "-o", "next.csv")
+    assert run(*asked)[0] == 0
+    head, *rows = (folder / "next.csv").read_bytes().decode("cp1252").splitlines()
+    assert "Größe" in head
+    assert run(*asked, "--force")[0] == 0  # nothing was filled in
+    filled = [row + "2.3" * row.endswith(",") for row in rows]
+    (folder / "next.csv").write_bytes("\n".join([head, *filled]).encode("cp1252"))
+    code, _, err = run("check", "old.toml", "--data", "next.csv")
+    assert code == 0, err
+    assert run(*asked, "--force")[0] == 2
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -340,9 +340,9 @@ def run_plan(options: PlanOptions) -> None:
         text = result.csv()
     files = [output] if output is not None and text else []  # there may be nothing worth reading
     if output is not None and text:
-        _refuse_loss(output, text)
-        layout = rig.reading.layout
-        documents.write_files({output: text.encode(layout.encoding if layout else "utf-8")})
+        code = getattr(rig.reading.layout, "encoding", "utf-8")
+        _refuse_loss(output, text, code)
+        documents.write_files({output: text.encode(code)})
     if options.as_json:
         content = {"rig": rig.heading, "digest": rig.digest, **result.to_dict()}
         terminal.print_json(documents.document("plan", content | {"files": [*map(str, files)]}))
@@ -353,7 +353,7 @@ def run_plan(options: PlanOptions) -> None:
         terminal.stdout().print(f"\n{said}")
 
 
-def _refuse_loss(table: Path, text: str) -> None:
+def _refuse_loss(table: Path, text: str, code: str) -> None:
     """Refuse to replace what is no table to fill in, or has a filled-in row that is not in the new.
 
     Columns to fill in are those that are empty in the last row of the new text.
@@ -361,7 +361,7 @@ def _refuse_loss(table: Path, text: str) -> None:
     if not table.exists():
         return
     try:
-        lines = documents.regular_bytes(table).decode("utf-8", "replace").splitlines()
+        lines = documents.regular_bytes(table).decode(code, "replace").splitlines()
     except OSError as error:
         raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
     rows = text.splitlines()
