@@ -16,7 +16,7 @@ from stickslip.identify.fits.levenberg_marquardt import step_of
 from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.identify.problems import rate_state_slider as slider
 from stickslip.identify.problems.velocity_step_paths import path_of
-from stickslip.identify.problems.velocity_steps import record_of
+from stickslip.identify.problems.velocity_steps import SteppedLaw, VelocitySteps, record_of
 from stickslip.identify.simulated import ENOUGH
 from stickslip.mechanisms.drives import Sine
 
@@ -673,6 +673,19 @@ def test_intervals_hold_the_truth_where_noise_is_autocorrelated(steps):
                     estimate.low <= truth[estimate.quantity.symbol] <= estimate.high
                 )
     assert min(held.values()) >= 27, held
+
+
+@pytest.mark.parametrize("held", [{}, {"direct_effect": 0.012}], ids=["free", "a held"])
+def test_what_a_step_shows_under_stress_gives_the_parameters_back(held):
+    form = RATE_STATE_FORMS["rate-and-state-nagata"]
+    steps = VelocitySteps(
+        record_of(record(law(), noise=5e-4)), {"law": SteppedLaw(form=form, held=held)},
+        block=MACHINE, doubt=0.1, reference=1e-6,
+    )  # fmt: skip
+    values = {"direct_effect": 0.012, "evolution_effect": 0.02, "critical_distance": 1e-5,
+              "stress_effect": 2.0, "stiffness": 2000.0}  # fmt: skip
+    back = steps.values("law", steps._point("law", values)[None])
+    assert {name: x[0] for name, x in back.items()} == pytest.approx(values)
 
 
 def test_effects_that_stress_leaves_open_are_drawn_in_all_their_width():
