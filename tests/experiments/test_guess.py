@@ -1040,9 +1040,9 @@ GUESSED = [
         "silent": "no unit"}) for name in ("v (mm/s)", "V", "v")),
     ("t,x", "MU", {"position": "x", "force": None},
      {"doubts": ["with 10 s between samples: if it counts ms, give --unit time=ms",
-                 "give --unit position=um"]}),
+                 "if it is in mm or um, give its unit, as --unit position=mm"]}),
     ("t;n", "tC", {"time": "t", "velocity": "n"},
-     {"doubts": ["m/s: if it is in rpm, give --unit velocity=rpm"]}),
+     {"doubts": ["m/s: if it is in mm/s or rpm, give its unit, as --unit velocity=mm/s"]}),
     ("epoch;x;force", "ExF", {"time": "epoch", "position": "x", "force": "force"},
      {"reasons": {"time": "column 'epoch' in ms, as its numbers count from 1970;"}}),
     ("[ms] time;(mm) pos;[N] force", "txF", {"velocity": None},
@@ -1175,3 +1175,59 @@ def test_columns_are_guessed_by_names_units_and_values(tmp_path, heads, kinds, f
         assert any(re.search(said, doubt) for doubt in guess.doubts)
     if "silent" in more:
         assert not any(more["silent"] in doubt for doubt in guess.doubts)
+
+
+ODD = "\n".join(f"{t:.2f};{x:.6f};{2 * y:.6f}" for t, x, y in zip(T, X, F / 40, strict=True))
+
+
+@pytest.mark.parametrize("odd", ["rad.s", "LSB"])
+@pytest.mark.parametrize(
+    "head", ["Zeit;Winkel;Moment\ns;rad;{}", "Zeit [s];Winkel [rad];Moment [{}]"]
+)
+@pytest.mark.parametrize("preface", ["", "2026-03-02 10:11:12.5\n", "Halle;Achse;Bediener\n"])
+def test_what_is_no_unit_is_named_and_leaves_the_names_of_the_columns(tmp_path, odd, head, preface):
+    path = tmp_path / "a.csv"
+    path.write_text(f"{preface}{head.format(odd)}\n{ODD}\n")
+    guess = guess_data(path)
+    assert guess.columns == {"time": "Zeit", "position": "Winkel", "force": "Moment"}
+    assert guess.doubts == (
+        f"{odd!r} is no unit: give it, as --unit force=Nm; N m is assumed for the force.",
+    )
+    record = load_measurement(
+        path, columns=guess.columns, units=guess.units, layout=guess.layout, repair=guess.repair
+    )
+    np.testing.assert_allclose(record.force, F / 20, atol=1e-6)
+    guess = guess_data(path, units={"force": "mNm"})
+    assert not guess.doubts
+
+
+def test_names_of_one_letter_that_are_units_too_are_names(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(f"Rig;Operator;Comment\nt;x;F\n{ODD}\n")
+    assert guess_data(path).columns == {"time": "t", "position": "x", "force": "F"}
+
+
+@pytest.mark.parametrize("header", ["velocity measured [Hz]", "Drehzahl (Hz)", "speed_Hz"])
+def test_hertz_of_a_rotation_are_revolutions_a_second(tmp_path, header):
+    path = tmp_path / "a.csv"
+    path.write_text(f"t [s];{header};torque [N m]\n{ODD}\n")
+    guess = guess_data(path)
+    assert guess.turning
+    record = load_measurement(path, columns=guess.columns, units=guess.units)
+    np.testing.assert_allclose(record.velocity, 2 * np.pi * X, atol=1e-5)
+
+
+def test_a_frequency_is_no_velocity_by_its_unit(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(f"t [s];angle [rad];f0 [Hz]\n{ODD}\n")
+    assert "velocity" not in guess_data(path).columns
+
+
+@pytest.mark.parametrize(("size", "doubted"), [(42.0, True), (6.0, False)])
+def test_an_angle_of_more_than_a_turn_without_a_unit_may_be_in_degrees(tmp_path, size, doubted):
+    path = tmp_path / "a.csv"
+    text = "".join(f"{t:.2f};{size / 6 * x:.6f};{f:.6f}\n" for t, x, f in zip(T, X, F, strict=True))
+    path.write_text(f"t [s];Winkel;Moment [N m]\n{text}")
+    said = [doubt for doubt in guess_data(path).doubts if "Winkel" in doubt]
+    assert len(said) == 1
+    assert ("--unit position=deg" in said[0]) is doubted

@@ -90,6 +90,13 @@ OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
 """Units that columns without one may have, by those of SI."""
 FAR: Final = 100.0
 """Span of positions and velocities in SI units that columns without a unit hardly have."""
+TURN: Final = 2.0 * np.pi
+"""Span of an angle [rad] beyond which one without a unit may be in degrees."""
+CURES: Final = {
+    "position": (("mm", "um"), ("deg", "rev")),
+    "velocity": (("mm/s", "rpm"), ("rpm", "deg/s")),
+}
+"""What such columns may be in, along a line and about an axis."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -188,6 +195,11 @@ class Found:
         """The unit of positions in SI that its unit is a part of."""
         turns = self.unit is not None and is_of(self.unit, "rad")
         return "rad" if turns else "m"
+
+    def odd_in(self, frame: QuantityTable) -> str:
+        """Return what the header of a table has in the place of a unit, and is none."""
+        stated = frame.units.get(self.name) or ""
+        return stated if stated != "1" and not is_unit(stated) else ""
 
 
 def guess_data(
@@ -302,7 +314,7 @@ def guess_data(
         q: column.unit
         for q, column in result.items()
         if column.unit and (not column.stated or is_of(column.unit, "count"))
-    }
+    } | {q: _assumed(q, turning) for q, x in result.items() if not x.unit and x.odd_in(frame)}
     gains: dict[str, float | str] = {
         q: _gain(q, turning, column.unit) for q, column in result.items() if _is_raw(column.unit)
     }
@@ -752,6 +764,8 @@ def _offers(frame: QuantityTable, name: str, quantity: str) -> Iterable[Found]:
 
 def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, str | None]:
     """Return the name of a column without its unit, and the unit as it is spelt, or None."""
+    if stated and not (stated == "1" or is_unit(stated)):
+        return name, None
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
     if unit is not None and unit.isupper() and not is_unit_of(unit, quantity):
         unit = unit.lower() if is_unit_of(unit.lower(), quantity) else unit  # MM is no molarity
@@ -789,7 +803,11 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
         return BY_UNIT, "by its name"
     by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
     inside = any(_is_input(bare, other) for other in ("transmitted", "external", "gravity"))
-    if fits and unit != "1" and not (by_name or most or inside or _is_other(bare, quantity)):
+    if (
+        fits
+        and unit not in ("1", "Hz")
+        and not (by_name or most or inside or _is_other(bare, quantity))
+    ):
         return BY_UNIT, "by its unit"
     return 0.0, ""
 
@@ -1608,11 +1626,12 @@ def _doubts(
     for quantity, item in found.items():
         stamps = quantity == "time" and item.unit is None and "stamp" in item.why
         if item.unit is None and quantity not in units and not stamps:
-            kinds = meaning_of(quantity).units or ("SI",)
-            yield (
-                f"The column {item.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed"
-                f" for the {quantity}{_implausible(frame, quantity, item, turning)}."
-            )
+            unit, odd = _assumed(quantity, turning), item.odd_in(frame)
+            said = f"The column {item.name!r} has no unit: {unit} is assumed"
+            if odd:
+                cure = f"--unit {quantity}={unit.replace(' ', '')}"
+                said = f"{shown(odd)} is no unit: give it, as {cure}; {unit} is assumed"
+            yield f"{said} for the {quantity}{_implausible(frame, quantity, item, turning)}."
         elif item.unit is not None and is_of(item.unit, "V") and quantity not in units:
             yield (
                 f"The column {item.name!r} is in {item.unit}, and"
@@ -1644,6 +1663,11 @@ def _doubts(
     yield from _driving_doubts(frame, found)
 
 
+def _assumed(quantity: str, turning: bool) -> str:
+    """Return the unit of a quantity that has none."""
+    return (meaning_of(quantity).units or ("SI",))[:2][-1 if turning else 0]
+
+
 def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool) -> str:
     """Return what an assumed unit makes of a column, and the cure, where that is hardly true."""
     numbers = (every := _numbers(frame, one))[np.isfinite(every)]
@@ -1652,10 +1676,11 @@ def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool)
     step, span = float(np.median(np.abs(np.diff(numbers)))), float(np.ptp(numbers))
     if quantity == "time" and step >= READING_INTERVAL:
         return f", with {number(step, 3)} s between samples: if it counts ms, give --unit time=ms"
-    cures = {"position": ("um", "deg"), "velocity": ("rpm", "rpm")}
-    if quantity in cures and span > FAR:
-        unit, cure = meaning_of(quantity).units[-1 if turning else 0], cures[quantity][turning]
-        return f", over {number(span, 4)} {unit}: if it is in {cure}, give --unit {quantity}={cure}"
+    far = TURN if turning and quantity == "position" else FAR
+    if quantity in CURES and span > far:
+        unit, cures = meaning_of(quantity).units[-1 if turning else 0], CURES[quantity][turning]
+        size = f"over {number(span, 4)} {unit}: if it is in {' or '.join(cures)}"
+        return f", {size}, give its unit, as --unit {quantity}={cures[0]}"
     return ""
 
 

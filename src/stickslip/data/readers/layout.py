@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.toml import read_bytes
-from stickslip.data.tolerances import FEWEST_SAMPLES, LONGEST_LINE, NEARLY_ALL, PER_MILLE
+from stickslip.data.tolerances import FEWEST_SAMPLES, HALF, LONGEST_LINE, NEARLY_ALL, PER_MILLE
 from stickslip.data.units import read_number
 from stickslip.errors import InputError, UnknownNameError, concerning
 from stickslip.quantities import Quantity
@@ -612,7 +612,9 @@ def _table(
     for index, label in itertools.pairwise(heads):
         few = len(named[label]) < 2 * len(named[index])
         near = not any(map(str.strip, lines[index + 1 : label]))
-        if near and few and are_units(above[label], len(named[index])):
+        whole = len(named[index]) >= width and not are_units(above[index])
+        share = HALF if whole else 1.0
+        if near and few and are_units(above[label], len(named[index]), share):
             header, units, rank[label] = index, tuple(map(unit_in, above[label])), (False, 0, 0)
     rivals = tuple(index for index in heads if index != header and rank[index] >= rank[header])
     rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
@@ -738,19 +740,27 @@ def _names_in(cells: Sequence[str]) -> list[str]:
     ]
 
 
-def are_units(cells: Sequence[str], names: int = 1) -> bool:
+def are_units(cells: Sequence[str], names: int = 1, share: float = 1.0) -> bool:
     """Whether cells hold units and nothing else: several, or for most of some names.
+
+    With a `share` below 1, more than it are units, not all of one letter, which may be names.
 
     Examples
     --------
     >>> are_units(["s", "[mm]", ""], 3), are_units(["A", "", ""], 3), are_units(["t", "x"])
     (True, False, False)
+    >>> are_units(["s", "rad", "rad.s"], 3, 0.5), are_units(["t", "F", "x"], 3, 0.5)
+    (True, False)
     """
     named = [cell for cell in cells if cell]
-    return (len(named) > 1 or 2 * len(named) > names) and all(
-        cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
+    units = [
+        cell
         for cell in named
-    )
+        if cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
+    ]
+    enough = len(named) > 1 or 2 * len(named) > names
+    odd = len(units) > share * len(named) and max(map(len, units)) > 1
+    return enough and (len(units) == len(named) or odd)
 
 
 def unit_in(cell: str) -> str:
