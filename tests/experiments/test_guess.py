@@ -1231,3 +1231,65 @@ def test_an_angle_of_more_than_a_turn_without_a_unit_may_be_in_degrees(tmp_path,
     said = [doubt for doubt in guess_data(path).doubts if "Winkel" in doubt]
     assert len(said) == 1
     assert ("--unit position=deg" in said[0]) is doubted
+
+
+def topics(path, names="__time,/joint/position,/joint/velocity,/cmd/torque", every=3):
+    """Write rows of two topics, each with times of its own; return the torques that then act."""
+    moved = [(t, f"{x:.6f},{6 * x:.6f},") for t, x in zip(T, X, strict=True)]
+    told = [(t + 0.0013, f",,{f:.6f}") for t, f in zip(T[::every], F[::every], strict=True)]
+    cells = "".join(f"{t:.4f},{row}\n" for t, row in sorted(moved + told))
+    path.write_text(f"{names}\n{cells}")
+    return F[::every][np.maximum(np.arange(N) - 1, 0) // every]
+
+
+def test_a_command_in_rows_of_its_own_holds_until_the_next(tmp_path):
+    path = tmp_path / "log.csv"
+    acting = topics(path)
+    guess = guess_data(path)
+    assert guess.repair == ("hold", "gaps")
+    assert any("'/cmd/torque' are others than those of the motion" in x for x in guess.doubts)
+    record = load_measurement(path, columns=guess.columns, repair=guess.repair)
+    np.testing.assert_allclose(record.time, T[1:], atol=1e-9)  # before the first nothing is known
+    np.testing.assert_allclose(record.force, acting[1:], atol=1e-6)
+    np.testing.assert_allclose(record.position, X[1:], atol=1e-6)
+    assert 'repair = ["hold", "gaps"]' in guessed_rig(guess, tmp_path / "rig.toml")
+
+
+def test_a_force_measured_in_some_of_the_rows_is_not_held(tmp_path):
+    path = tmp_path / "log.csv"
+    cells = [f"{f:.6f}" if k % 5 == 0 else "" for k, f in enumerate(F)]
+    body = "".join(f"{t:.2f},{x:.6f},{f}\n" for t, x, f in zip(T, X, cells, strict=True))
+    path.write_text(f"time [s],position [m],force [N]\n{body}")
+    guess = guess_data(path)
+    assert guess.repair == ("gaps",)
+    assert any("Only 240 rows of 1,200" in doubt for doubt in guess.doubts)
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Zeit [s] Winkel [rad] Moment [N m]", "Zeit (s) Winkel(rad) Moment [N m]", "t Winkel [rad] M"],
+)
+def test_a_blank_before_a_bracket_parts_no_names(tmp_path, header):
+    path = tmp_path / "a.txt"
+    path.write_text(f"Prüfstand 3\n{header}\n{ODD.replace(';', ' ')}\n")
+    guess = guess_data(path)
+    record = load_measurement(
+        path, columns=guess.columns, units=guess.units, layout=guess.layout, repair=guess.repair
+    )
+    np.testing.assert_allclose(record.position, X, atol=1e-6)
+    np.testing.assert_allclose(record.force, F / 20, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("resting", "joint", "said"), [(1e-4, "2", ", the first that moves"), (0.5, "1", "")]
+)
+def test_a_joint_that_rests_while_another_moves_is_not_offered(tmp_path, resting, joint, said):
+    path = tmp_path / "a.csv"
+    noise = resting * np.random.default_rng(3).normal(size=N)
+    body = rows((T, noise, X, 0 * T + 0.1, F), ",", lambda value: f"{value:.6f}")
+    path.write_text(f"time,q1,q2,tau1,tau2\n{body}")
+    guess = guess_data(path)
+    assert guess.columns["position"] == f"q{joint}"
+    assert guess.columns["force"] == f"tau{joint}"
+    assert any(f"of joint {joint} alone{said}. For another" in doubt for doubt in guess.doubts)
+    assert guess_data(path, columns={"position": "q1"}).columns["force"] == "tau1"

@@ -253,8 +253,9 @@ class ColumnOptions:
 class ReadingOptions(ColumnOptions):
     """How the files of a measurement are read."""
 
-    repair: Annotated[Sequence[str], typer.Option(metavar="sort,gaps")] = ()
-    """Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells."""
+    repair: Annotated[Sequence[str], typer.Option(metavar="sort,gaps,hold")] = ()
+    """Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells, 'hold'
+    keeps commands until the next."""
     conditions: Names = ()
     """Columns with a condition of each trial, such as temperature or direction."""
 

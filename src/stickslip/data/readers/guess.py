@@ -1212,7 +1212,8 @@ def repairs_of(
             numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
             back &= numbers[1:] == numbers[:-1]
         late = bool(back.any())
-    steps: dict[text_layout.Repair, bool] = {"gaps": gaps, "sort": late}
+    held = bool(_held(frame, found))
+    steps: dict[text_layout.Repair, bool] = {"hold": held, "gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 
 
@@ -1228,8 +1229,30 @@ def _full_rows(frame: QuantityTable, found: Mapping[str, Found]) -> NDArray[np.b
     return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
 
 
+def _held(frame: QuantityTable, found: Mapping[str, Found]) -> list[str]:
+    """Return the quantities that hold until their next value: what drives, in rows of its own.
+
+    What was measured in rows of its own is interpolated before, if some rows have it all.
+    """
+    motion = {q: x for q, x in found.items() if q.partition(".")[0] not in text_layout.DRIVES}
+    full, moves = _full_rows(frame, found), _full_rows(frame, motion)
+    drives = [
+        q for q, x in found.items() if q not in motion and not _full_rows(frame, {q: x}).all()
+    ]
+    words = {*WORDS["commands"], *WORDS["wanted"]}
+    commands = all(q.startswith("reference") or _is_named(found[q].name, words) for q in drives)
+    apart = full.mean() < HALF and moves.sum() > full.sum()
+    return drives if apart and (commands or not full.any()) else []
+
+
 def rates_doubt(frame: QuantityTable, found: Mapping[str, Found]) -> Iterator[str]:
     """Yield that most rows lack a cell, as where channels were sampled at other times."""
+    if held := _held(frame, found):
+        yield (
+            f"Rows with {joined([repr(found[q].name) for q in held])} are others than those of the"
+            " motion: each value holds until the next, as a command does."
+        )
+        return
     full = _full_rows(frame, found)
     cure = "Interpolate channels of different rates to the times of one of them first"
     if not full.any():
@@ -1276,7 +1299,11 @@ def restarts(times: measurement.Array) -> list[int]:
 
 def repair_text(repair: Sequence[text_layout.Repair]) -> str:
     """Return what is repaired, in words."""
-    why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
+    why = {
+        "hold": "commands have rows of their own",
+        "gaps": "cells are empty or not finite",
+        "sort": "times do not increase everywhere",
+    }
     return " and ".join(f"{name}: {why[name]}" for name in repair)
 
 
@@ -1298,7 +1325,7 @@ def _of_one_joint(frame: QuantityTable, given: Mapping[str, Column]) -> list[str
     inputs = inputs_in([*frame.names])
     names = [name for name in frame.names if name and (name in known or name not in inputs)]
     wanted = next((numbered(name)[1] for name in known if numbered(name)[1]), "")
-    joint = wanted or next(iter(joints_in(names)), "")
+    joint = wanted or _first_moving(frame, joints_in(names))
     if not joint:
         return names
     numbers = {numbered(name)[1] for name in names}
@@ -1312,6 +1339,23 @@ def _of_one_joint(frame: QuantityTable, given: Mapping[str, Column]) -> list[str
             numbered(name)[1] in others and (joint_in(name)[1] or numbered(name)[0] in families)
         )
     ]
+
+
+def _first_moving(frame: QuantityTable, joints: Collection[str]) -> str:
+    """Return the first joint that does not rest where another moves; empty if there are none."""
+    spreads: dict[str, dict[str, float]] = {}
+    for name in filter(None, frame.names if joints else ()):
+        stem, joint = numbered(name)
+        moves = any(_named_score(stem, quantity)[0] > 0.0 for quantity in ("position", "velocity"))
+        if joint in joints and moves and not frame.is_empty(name):
+            numbers = pd.to_numeric(frame.data[frame.names[name]], errors="coerce")
+            spreads.setdefault(stem, {})[joint] = float(numbers.std())
+    moving = (
+        joint
+        for joint in joints
+        if all(of[joint] > NEGLIGIBLE * max(of.values()) for of in spreads.values() if joint in of)
+    )
+    return next(moving, next(iter(joints), ""))
 
 
 def joint_in(name: str) -> tuple[str, str]:
@@ -1616,13 +1660,39 @@ def _doubts(
         moving = next((read.name for q, read in found.items() if q in ("position", "velocity")), "")
         own = numbered(moving)[1] or next(iter(joints))
         yield (
-            f"The file has {len(joints)} joints, and this is a rig file of joint {own} alone. For"
-            " another, name its position as --columns position=...; all of them together need the"
-            " URDF of the robot, as --urdf robot.urdf."
+            f"The file has {len(joints)} joints, and this is a rig file of joint {own}"
+            f" alone{', the first that moves' * (own != next(iter(joints)))}. For another, name its"
+            " position as --columns position=...; all of them together need the URDF of the robot,"
+            " as --urdf robot.urdf."
         )
     for quantity, item in found.items():
         if quantity != "time" and item.why == "by its unit":
             yield f"Nothing but its unit says that {item.name!r} is the {quantity}: check it."
+    yield from _unit_doubts(frame, found, turning, units)
+    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*WORDS["rolling"]}:
+        yield (
+            f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
+            " speed: surfaces that roll slide at a part of it."
+        )
+    positions = _second_positions(frame, found)
+    yield from positions.values()
+    for quantity, item in found.items():
+        chosen = "moves most" if item.most_moving else "comes first"
+        for other in (name for name in item.others if name not in positions):
+            yield (
+                f"The column {other!r} may be the {quantity} as well as {item.name!r}, which"
+                f" {chosen}."
+            )
+    yield from _left_out(frame, found)
+    if "current" in found and not constant:
+        yield _scale_doubt(turning)
+    yield from _driving_doubts(frame, found)
+
+
+def _unit_doubts(
+    frame: QuantityTable, found: Mapping[str, Found], turning: bool, units: Collection[str]
+) -> Iterator[str]:
+    """Yield which units and gains are assumed or missing."""
     for quantity, item in found.items():
         stamps = quantity == "time" and item.unit is None and "stamp" in item.why
         if item.unit is None and quantity not in units and not stamps:
@@ -1643,24 +1713,6 @@ def _doubts(
                 f"The column {item.name!r} is in {item.unit}: give the counts per unit of length or"
                 " angle as its gain."
             )
-    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*WORDS["rolling"]}:
-        yield (
-            f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
-            " speed: surfaces that roll slide at a part of it."
-        )
-    positions = _second_positions(frame, found)
-    yield from positions.values()
-    for quantity, item in found.items():
-        chosen = "moves most" if item.most_moving else "comes first"
-        for other in (name for name in item.others if name not in positions):
-            yield (
-                f"The column {other!r} may be the {quantity} as well as {item.name!r}, which"
-                f" {chosen}."
-            )
-    yield from _left_out(frame, found)
-    if "current" in found and not constant:
-        yield _scale_doubt(turning)
-    yield from _driving_doubts(frame, found)
 
 
 def _assumed(quantity: str, turning: bool) -> str:

@@ -239,12 +239,15 @@ def _unit_of_rate(unit: str, base: str) -> str:
     return f"{result[1].replace('K', 'k')}Hz" if result and unit[:1] != "m" else ""
 
 
-Repair: TypeAlias = Literal["sort", "gaps"]
-"""What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``."""
+Repair: TypeAlias = Literal["sort", "gaps", "hold"]
+"""What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``, and
+``"hold"`` what drives until its next value."""
+DRIVES: Final = ("force", "current", "voltage", "reference")
+"""Quantities that may be commands, which hold until the next."""
 
 
 def repairs(given: str | Sequence[str] | None) -> tuple[Repair, ...]:
-    """Return the repairs asked for, those of gaps first, since times must be there to be sorted.
+    """Return the repairs asked for: what is held has no gaps, and times must be there to be sorted.
 
     Examples
     --------
@@ -271,10 +274,23 @@ def repaired(
     ([0.0, 1.0, 2.0], ('sorted by time (2 samples out of order)', 'dropped 1 exact duplicate'))
     """
     result, done = dict(columns), []
+    how = {"hold": _held, "gaps": _without_gaps, "sort": _sorted}
     for step in steps:
-        result, remarks = (_without_gaps if step == "gaps" else _sorted)(result)
+        result, remarks = how[step](result)
         done += remarks
     return result, tuple(done)
+
+
+def _held(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return columns of which those that drive keep their last value where cells are empty."""
+    result, filled = dict(columns), 0
+    for name, values in columns.items():
+        if name.partition(".")[0] in DRIVES:
+            there = np.isfinite(values)
+            last = np.maximum.accumulate(np.where(there, np.arange(values.size), 0))
+            result[name] = values[last]
+            filled += int(np.count_nonzero(np.isfinite(result[name]) & ~there))
+    return result, [f"held the last value in {count(filled, 'empty cell')}"] if filled else []
 
 
 def _without_gaps(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
@@ -384,6 +400,10 @@ DOUBTED: Final = re.compile(
 )
 """A number, perhaps with its uncertainty: 3.51 ± 0.1, 3,51 +- 0,1, or 3.51(10) in last digits."""
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
+_BLANK_CELLS: Final = re.compile(
+    r"[^\W\d][^\s\[\](]*+(?:[ \t]*(?:\[[^\[\]]*+\]|\([^()]*+\)))++(?!\S)|\S++"
+)
+"""Cells between blanks: a name takes the brackets behind it, as in Torque [N m], with it."""
 _GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
 """A whole number with a mark between thousands, to be put in."""
 _DECIMAL: Final = r"(?:0\{0}\d+|\d+\{0}(?:\d{{1,2}}|\d{{4,}}))"
@@ -494,8 +514,8 @@ def cells_of(line: str, separator: str) -> list[str]:
 
 def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> list[str]:
     """Return the cells of a line as they stand; one beyond what `csv` takes is cut."""
-    if separator == " ":
-        return line.lstrip("#% \t").split()  # a header may be marked as a comment
+    if separator == " ":  # a header may be marked as a comment
+        return [cell[0] for cell in _BLANK_CELLS.finditer(line.lstrip("#% \t"))]
     try:
         result = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
         return next(result, [])
