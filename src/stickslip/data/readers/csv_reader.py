@@ -1036,18 +1036,12 @@ def _check_single_table(path: Path, lines: Sequence[str], layout: Layout) -> Non
 
 
 def read_as(
-    path: Path,
-    text: str,
-    data: bytes,
-    layout: Layout,
-    *,
-    doubted: str = "",
-    numbered: bool = False,
+    path: Path, text: str, data: bytes, layout: Layout, *, doubted: str = ""
 ) -> tables.FileTable:
     """Return the table of a text, and the bytes of that, which holds it in a known way.
 
-    Numbers stay text that have a mark of which it is `doubted` what it parts. Names that come again
-    may be `numbered`.
+    Numbers stay text that have a mark of which it is `doubted` what it parts. Of a workbook, names
+    that come again are numbered.
     """
     lines = upper_lines(text, layout.preface)
     if len(lines) < 1 + layout.units_row:
@@ -1062,7 +1056,7 @@ def read_as(
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [_with_unit(path, name, unit) if unit and name else name for name, unit in pairs]
     remarks: tuple[str, ...] = ()
-    if numbered:
+    if path.suffix.casefold() in SPREADSHEET:
         bare = [without_unit(name) for name in names]
         own = [name and again for name, again in zip(bare, numbered_twice(bare), strict=True)]
         names = [name.replace(*pair, 1) for name, *pair in zip(names, bare, own, strict=True)]
@@ -1335,7 +1329,7 @@ def _first(path: Path, sheets: dict[str, str]) -> tables.FileTable:
         if dialect is not None:
             table = dialect.read(text)
         elif result is not None:
-            table = read_as(path, text, text.encode(), result.layout, numbered=True)
+            table = read_as(path, text, text.encode(), result.layout)
         return replace(table, remarks=(*remarks, *table.remarks))
     listed = joined([*map(shown, sheets)])
     raise InputError(

@@ -269,7 +269,8 @@ def guess_data(
     result = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     doubt = result.pop(measurement.STATED, None)
     frame = _without_rate(frame, result)
-    untimed = "time" not in result and _is_of_motor(frame, result)
+    untimed = "time" not in result and "current" in result
+    untimed = untimed and _is_steady(frame, result, np.arange(float(len(frame.data))))
     _check_enough(frame, _as_friction(result) if untimed else result)
     servo, result = _of_servo(frame, result, units or {})
     result = result if servo is not None else _by_derivative(frame, result)
@@ -1163,11 +1164,6 @@ def rate_text(times: measurement.Array) -> str:
 def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     """Return what belongs to quantities, that of a drive to the friction at steady speeds."""
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
-
-
-def _is_of_motor(frame: QuantityTable, found: Mapping[str, Found]) -> bool:
-    """Whether rows without times are steady currents of a motor, not samples of a motion."""
-    return "current" in found and _is_steady(frame, found, np.arange(float(len(frame.data))))
 
 
 def _is_steady(frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array) -> bool:
