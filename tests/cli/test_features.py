@@ -62,7 +62,7 @@ def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
     assert code == 0
     assert "do not distinguish it from" in out
     assert max(len(line) for line in out.splitlines() if line.startswith("coulomb")) <= 80
-    report = tmp_path / "stickslip-report"
+    report = tmp_path / "slider-report"
     content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))
     assert content["best"] in ("coulomb", "stribeck")
     assert content["schema"].startswith("stickslip/select/")

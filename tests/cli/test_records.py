@@ -62,7 +62,7 @@ def test_a_rig_file_with_data_is_all_that_select_needs(run, tmp_path):
     assert "friction is known to ±" in out
     assert "stays within" in out
     assert "mechanism.inertia" in out
-    report = tmp_path / "stickslip-report"
+    report = tmp_path / "axis-report"
     content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))
     assert content["best"] == "coulomb-viscous"
     law = load_rig(report / "law.toml").laws["coulomb-viscous"]
@@ -104,7 +104,7 @@ def test_the_record_itself_is_no_second_record(run, write, tmp_path, command):
     code, out, message = run(name, "axis.toml", "--validate", "copy.csv", *more)
     assert (code, out) == (2, "")
     assert "the second record is identical to the fitted one" in message
-    assert not (tmp_path / "stickslip-report").exists()
+    assert not (tmp_path / "axis-report").exists()
 
 
 @pytest.mark.slow

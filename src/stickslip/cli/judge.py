@@ -14,6 +14,7 @@ import typer
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli.options import (
+    DEMO,
     DemoOptions,
     FitOptions,
     MeasuredOptions,
@@ -45,10 +46,13 @@ CRITERIA_FAILED = 4
 
 def run_select(options: SelectOptions) -> None:
     """Select, write the verdict, print it, draw its page; with JSON only into a given folder."""
-    folder = terminal.folder_of(options.output, "stickslip-report", as_json=options.as_json)
+    default = f"{(options.rig or DEMO).stem}-report"
+    folder = terminal.folder_of(options.output, default, as_json=options.as_json)
     if folder is not None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=kinds.VERDICT_FILES)
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
+    for name in kinds.VERDICT_FILES if folder is not None else ():
+        terminal.refuse_inputs(folder / name, [rig.path])
     kind, request, files = inputs.measured(rig, options)
     request = replace(request, tolerance=_tolerance(kind, rig, options.tolerance))
     rig = replace(rig, digest=documents.with_files(rig.digest, files))
