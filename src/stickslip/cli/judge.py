@@ -28,7 +28,7 @@ from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
 from stickslip.quantities import Quantity, parameters
 from stickslip.show import documents
-from stickslip.show.formatting import number
+from stickslip.show.formatting import in_words, number
 from stickslip.show.report import Origin, Page, render
 
 if TYPE_CHECKING:
@@ -71,6 +71,8 @@ def run_select(options: SelectOptions) -> None:
     if options.as_json:
         terminal.print_json(content)
     else:
+        if said := _of_one_travel(verdict):
+            terminal.stdout().print(said)
         show_verdict(verdict)
     if folder is not None:
         own = options.rig is None  # the bundled rig
@@ -95,6 +97,17 @@ def run_select(options: SelectOptions) -> None:
         )
         raise typer.Exit(CRITERIA_FAILED)
     terminal.leave_unless_drawn(page_code)
+
+
+def _of_one_travel(verdict: Verdict) -> str:
+    """Return what a single travel cannot show, and what can; empty of other measurements."""
+    single = "travel" in verdict.measurement.quantities() and not verdict.measurement.trials
+    if not single or verdict.ranked or len(verdict.candidates) < 2:
+        return ""
+    return (
+        f"One travel cannot rank {in_words(len(verdict.candidates))} laws; travels at several"
+        " settings can."
+    )
 
 
 def run_demo(options: DemoOptions) -> None:
@@ -179,6 +192,7 @@ def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) 
 
         own = cast("TravelVerdict", verdict)  # the bundled rig has travels
         remark, lead, extra = beside(rig, own)
+        remark = " ".join(filter(None, (_of_one_travel(verdict), remark)))
         return kinds.verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
     return kinds.verdict_page(verdict, origin)
 

@@ -143,7 +143,7 @@ def laws_section(verdict: BandVerdict, *, with_caption: bool = True) -> Section:
     count = len(verdict.set)
     heading = "The named law and others"
     if count > 1:
-        heading = f"{count} laws that the measurement cannot rule out"
+        heading = f"{count} laws are not ruled out by the measurement"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 

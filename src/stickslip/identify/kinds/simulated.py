@@ -729,5 +729,5 @@ def laws_section(verdict: SimulatedVerdict) -> Section:
     )
     heading = f"{count(len(verdict.candidates), 'law')} by probability"
     if verdict.rivals:
-        heading = f"{len(verdict.near)} laws that {verdict.kind.these} cannot rule out"
+        heading = f"{len(verdict.near)} laws are not ruled out by {verdict.kind.these}"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
