@@ -647,7 +647,7 @@ def _verdict(
         f"{capital(name)}: {in_sentence(joint.words.verdict)}" for name, joint in joints.items()
     ]
     said += [
-        f"{capital(name)}: at rest, so nothing tells its friction." for name in records.resting
+        f"{capital(name)}: at rest, so its friction is unknown." for name in records.resting
     ]
     named = not wrong and all(joint.best is not None for joint in joints.values())
     words = Wording(

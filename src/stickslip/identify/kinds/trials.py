@@ -328,7 +328,7 @@ def _alone(
     )
     lost = [item.path for item in own if item.path not in drawn or item.path not in known]
     if lost:
-        raise InputError(f"it does not tell {lost[0].rpartition('.')[2]}.")
+        raise InputError(f"it does not determine {lost[0].rpartition('.')[2]}.")
     values = np.array([drawn[item.path] for item in own])
     return TrialEstimates(
         name=name, number=index, conditions=record.conditions, law=alone.law,
