@@ -58,9 +58,9 @@ def run(capsys, monkeypatch, tmp_path, write):
 def test_a_rig_file_with_data_is_all_that_select_needs(run, tmp_path):
     code, out, _ = run("select", "axis.toml", *FAST)
     assert code == 0
-    assert "Use Coulomb + viscous friction: it stays within 2 % of friction." in out
+    assert "Use Coulomb + viscous friction. Friction is known to ±" in out
     assert "friction is known to ±" in out
-    assert "stays within" in out
+    assert "differs by" in out
     assert "mechanism.inertia" in out
     report = tmp_path / "axis-report"
     content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))

@@ -51,8 +51,9 @@ def run_select(options: SelectOptions) -> None:
     if folder is not None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=kinds.VERDICT_FILES)
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
-    for name in () if folder is None else kinds.VERDICT_FILES:
-        terminal.refuse_inputs(folder / name, [rig.path])
+    if folder is not None:
+        for name in kinds.VERDICT_FILES:
+            terminal.refuse_inputs(folder / name, [rig.path])
     kind, request, files = inputs.measured(rig, options)
     request = replace(request, tolerance=_tolerance(kind, rig, options.tolerance))
     rig = replace(rig, digest=documents.with_files(rig.digest, files))

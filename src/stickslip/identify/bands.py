@@ -41,18 +41,7 @@ class PredictionBand:
     high: Array
 
     def brakes(self, velocity: Array) -> bool:
-        """Return whether friction acts against the motion throughout the band.
-
-        Parameters
-        ----------
-        velocity : array (n,)
-            Slip velocities of the rows [m/s] or [rad/s].
-
-        Returns
-        -------
-        bool
-            Whether the band excludes zero, on the side of the velocity, at every row.
-        """
+        """Return whether friction acts against the motion throughout the band."""
         return bool(np.all(np.where(velocity > 0.0, self.low, -self.high) > 0.0))
 
     def to_dict(self) -> dict[str, list[float]]:

@@ -120,8 +120,7 @@ def _draw_on(axes: "Axes", what: BandDrawing, narrow: bool) -> None:
         axes.plot(factor * v[kept], force * friction[kept], marker, fillstyle="none", **look)
     look = {"color": C3, "linewidth": 0.8, "linestyle": (0, (2, 3))}
     for k, place in enumerate(dict.fromkeys(what.places)):
-        label = "where to measure next" if k == 0 else None
-        axes.axvline(factor * place, label=label, **look)
+        axes.axvline(factor * place, label=None if k else "where to measure next", **look)
     if logarithmic:
         axes.set_xscale("log")
         _label_speeds(axes)

@@ -690,9 +690,11 @@ def estimates_of(
         # what is no law has values that laws lack
         least = least if least <= one.value and math.isfinite(low) else -math.inf
         ends = math.isfinite(low) + math.isfinite(high)
-        reason = ("no reading distinguishes it from the others", "the speeds measured do not bound it", "")[
-            ends
-        ]
+        reason = (
+            "no reading distinguishes it from the others",
+            "the speeds measured do not bound it",
+            "",
+        )[ends]
         outside = one.path.startswith("mechanism.") and not _holds_possible(own, low, high)
         if outside and math.isfinite(high - low):
             reason = f"it lies where it cannot be, {interval(low, high)}"
