@@ -343,7 +343,7 @@ def test_lengths_in_the_wrong_unit_are_doubted_before_a_law_is_named(run, write,
     assert code == 0
     said = " ".join(out.split())
     assert said.startswith("Check units, gains and signs first. The inertia is 0.0998 times as")
-    assert "a unit of length is wrong. If they are right, Coulomb + viscous friction" in said
+    assert "a unit of length is wrong. If they are right, use Coulomb + viscous friction" in said
     assert "Use " not in out
 
 
