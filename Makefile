@@ -33,7 +33,7 @@ unit docs slow: export PYTHONDONTWRITEBYTECODE :=
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
 
-select: $(RUN) ## run the main job on the bundled rig; the report goes to stickslip-report/
+select: $(RUN) ## run the main job on the bundled rig; the report goes to demo-report/
 	$(BIN)/stickslip demo --force
 
 # Side by side: what waits for one compiler would leave cores idle.

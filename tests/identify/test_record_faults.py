@@ -473,7 +473,9 @@ def test_a_dead_zone_of_a_drive_is_told_from_the_level_where_inertia_turns_the_f
     found = {one.term: one for one in judgement.findings}["zone"]
     assert found.asserted
     assert found.size * judgement.problem.size == pytest.approx(3.0, rel=0.1)
-    assert re.match(r"Of the force that is recorded, (2\.9|3|3\.1) N does not act", found.sentence)
+    assert re.match(
+        r"In both directions, (2\.9|3|3\.1) N of the recorded force does not", found.sentence
+    )
     assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.05)
     findings = judged(driven(inertia=40.0)).findings
     assert "zone" not in [one.term for one in findings]

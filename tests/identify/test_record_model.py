@@ -208,7 +208,7 @@ def test_a_pressure_that_pushes_is_no_friction():
         assert low <= 3.4 + 0.65 * pressure <= high
         assert high - low < 0.5 * (3.4 + 0.65 * pressure)
     said = [one.sentence for one in verdict.findings if one.asserted]
-    assert any(x.startswith("A force beside friction changes by") for x in said)
+    assert any(x.startswith("A force other than friction changes by") for x in said)
 
 
 class Crossed(Model):

@@ -183,7 +183,7 @@ def test_a_static_level_that_no_row_tells_is_said_to_be_open():
         assert not static.bounded
         assert static.value == found.law.static_coefficient
         assert static.value == pytest.approx(found.law.kinetic_coefficient)
-        assert any(said.startswith("$mu_s$ cannot be determined") for said in found.sentences)
+        assert any(said.startswith("$F_s$ cannot be determined") for said in found.sentences)
     given = replace(law, static_coefficient=2.5)  # an assumption stays
     assert fit(Axis(inertia=0.5), given, record).law.static_coefficient == 2.5
 
@@ -326,7 +326,7 @@ def test_cards_show_the_digits_of_their_intervals_and_what_they_are():
     verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
     (level, *_) = facts(verdict)
     assert len(level.value.partition(".")[2].partition(" ")[0]) >= 3
-    assert level.what == "kinetic coefficient $mu_k$, 95 % over all laws"
+    assert level.what == "Coulomb friction $F_c$, 95 % over all laws"
     assert " to " in level.aside
 
 
@@ -464,7 +464,7 @@ def test_a_parameter_that_is_not_identified_has_no_number():
     left = [estimate for estimate in found.estimates if not estimate.bounded]
     assert left
     assert all("not identified" in str(one) and "N" not in str(one) for one in left)
-    assert any(said.startswith("$mu_s$ cannot be determined") for said in found.sentences)
+    assert any(said.startswith("$F_s$ cannot be determined") for said in found.sentences)
 
 
 def test_a_spring_that_nobody_gave_is_stated_and_moves_no_inertia():

@@ -170,7 +170,7 @@ def test_few_readings_are_given_with_their_small_gain():
     v = np.linspace(0.05, 0.4, 40)
     further = plan(AXIS, "viscous", Measurement(velocity=v, friction=noisy(3.0 * v)), readings=1)
     assert len(further.readings["velocity"]) == len(further.to_dataframe()) == 1
-    assert "as wide" in further.sentence
+    assert "of its width" in further.sentence
     assert "<table>" in further._repr_html_()
 
 

@@ -128,8 +128,9 @@ class ReportOptions(WriteOptions):
     """How the result is printed and written into a folder."""
 
     output: Output = None
-    """Folder for the report. Default: stickslip- and the name of what is written, such as
-    stickslip-report; with --json, nothing is written unless a folder is given."""
+    """Folder for the report. Default: the name of the rig file and -report, or stickslip- and the
+    name of the command; with --json, nothing is written unless a folder is given. A folder that
+    holds nothing but an earlier report is replaced."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,6 +40,10 @@ class PredictionBand:
     median: Array
     high: Array
 
+    def brakes(self, velocity: Array) -> bool:
+        """Return whether friction acts against the motion throughout the band."""
+        return bool(np.all(np.where(velocity > 0.0, self.low, -self.high) > 0.0))
+
     def to_dict(self) -> dict[str, list[float]]:
         """Return limits and medians as lists."""
         return {name: x.tolist() for name, x in vars(self).items()}

@@ -576,10 +576,11 @@ class Judgement:
         none = float(weights[self.problem.nothing()].sum())
         return (1.0 - none) / none if none > 0.0 else math.inf
 
-    @property
+    @cached_property
     def is_told(self) -> bool:
-        """Whether friction is distinguished from zero."""
-        return self.odds >= RIVAL
+        """Whether friction is distinguished from zero, by its odds or by the whole band."""
+        rows = self._asked[0]
+        return self.odds >= RIVAL or self.band(rows).brakes(rows.velocity)
 
     @property
     def is_explained(self) -> bool:

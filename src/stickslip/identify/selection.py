@@ -565,8 +565,8 @@ def run_sentences(
     left = problem.followed(judgement.named)
     unit = measurement.unit("position" if problem.balance.each[0].record.located else "velocity")
     if not math.isfinite(left):
-        return ["A run of the law does not follow the motion."]
+        return ["A simulation with the law does not follow the motion."]
     return [
-        f"A run of the law leaves {quantity(left, unit, 2)} of the motion (root mean"
+        f"A simulation with the law differs from the motion by {quantity(left, unit, 2)} (root mean"
         f" square); a reading has an error of {quantity(problem.model.sigma, unit, 2)}."
     ]

@@ -24,6 +24,7 @@ from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
+    as_level,
     estimates_for,
     inputs_text,
     typical_inputs,
@@ -683,15 +684,17 @@ def estimates_of(
         name = one.path.rpartition(".")[2]
         own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
         unit = unit_of(one.path, own, per_load=per_load, turning=measurement.turning)
-        own = replace(own, unit=unit)
+        own = as_level(replace(own, unit=unit))
         low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
         least = own.low if own.above is None else max(own.low, own.above)
         # what is no law has values that laws lack
         least = least if least <= one.value and math.isfinite(low) else -math.inf
         ends = math.isfinite(low) + math.isfinite(high)
-        reason = ("no reading tells it from the others", "the speeds measured do not bound it", "")[
-            ends
-        ]
+        reason = (
+            "no reading distinguishes it from the others",
+            "the speeds measured do not bound it",
+            "",
+        )[ends]
         outside = one.path.startswith("mechanism.") and not _holds_possible(own, low, high)
         if outside and math.isfinite(high - low):
             reason = f"it lies where it cannot be, {interval(low, high)}"

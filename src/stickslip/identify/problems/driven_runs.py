@@ -168,8 +168,8 @@ USUAL_AT_REST = 0.05
 OFFSET = "mechanism.offset"
 """Path of a constant force: a balance has it as a term, and takes it off."""
 UNSEEN = (
-    "Runs do not tell whether friction changes with the direction, an input, the place, in time or"
-    " between records, nor{} presliding: the intervals hold for friction as it was on average."
+    "These runs cannot show whether friction depends on direction, an input, position or time, or"
+    " differs between records, nor{} presliding: the intervals hold for friction on average."
 )
 """What is not looked for."""
 

@@ -34,7 +34,7 @@ Mask: TypeAlias = NDArray[np.bool_]
 
 RESTS = (
     "the body rests throughout the record, or moves by no more than the noise of its position:"
-    " nothing tells friction. Move it farther."
+    " friction cannot be determined. Move it farther."
 )
 COST = 0.0015
 """Noise of the inertial force over the standard deviation of the force: at 1 % of it, viscous

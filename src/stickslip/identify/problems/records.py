@@ -711,8 +711,8 @@ class RecordProblem(Problem):
         if "offset" in self.beside and self.offset and self.model.frame.load == 1.0:
             result.append(
                 "A constant offset cannot be distinguished from a level that differs by direction:"
-                " a record under another load would tell them, or what the sensor shows without a"
-                " force."
+                " a record under another load would separate the two, or the reading of the sensor"
+                " without a force."
             )
         if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
             result.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
@@ -724,14 +724,14 @@ class RecordProblem(Problem):
             result.append(
                 "A dead zone of the drive, a part of the force that is recorded and does not act,"
                 " cannot be distinguished from the level of friction, which is stated without one:"
-                " a record with added mass or larger accelerations would tell them."
+                " a record with added mass or larger accelerations would separate the two."
             )
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             alike, them = ("", "it") if len(names) == 1 else (" together", "them")
             result.append(
-                f"The {joined(names)}{alike} cannot be distinguished from viscous friction: what is"
-                f" stated of {them} has both, and no law with viscous friction is compared."
+                f"The {joined(names)}{alike} cannot be distinguished from viscous friction: the"
+                f" value of {them} holds both, and no law with viscous friction is compared."
             )
         return result
 
@@ -836,14 +836,14 @@ class RecordProblem(Problem):
             return f"The {runs} runs differ by {share_text(size)} of friction (standard deviation)."
         if name == "relaxing":
             return (
-                "A force beside friction follows the past of the motion, as that of a hose, a cable"
-                f" or another spring does, by {percent(size)} of it (standard deviation)."
+                "The recorded force contains a part that lags the motion, as that of a hose or a"
+                f" cable does ({percent(size)} of friction, standard deviation)."
             )
         if name == "zone":
             part = quantity(size * self.size, unit, 2)
             return (
-                f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
-                " dead zone of the drive, or friction before the sensor."
+                f"In both directions, {part} of the recorded force does not reach the body: a dead"
+                " zone of the drive, or friction ahead of the sensor."
             )
         if name == "flexible":
             drawn = np.hstack([self._on_spring(draw) for draw in draws])
@@ -855,11 +855,12 @@ class RecordProblem(Problem):
                 " other end rests; more of it on a stiffer spring would move nearly so."
             )
         what = {
-            "place": "The level of friction changes with the place",
-            "force": "A force beside friction changes with the place or in time",
+            "place": "The level of friction depends on position",
+            "force": "The recorded force contains a part that depends on position or time, such as"
+            " gravity or cogging",
         }[name]
         spring = self._spring(draws) if name == "force" and self.model.balance.pulled else ""
-        return f"{what}, by {share_text(size)} of friction (standard deviation){spring}."
+        return f"{what} ({share_text(size)} of friction, standard deviation){spring}."
 
     def _on_spring(self, draw: Draws) -> Array:
         """Return what share of the inertia is on a spring, its frequency, and the inertia (3, k).
@@ -913,7 +914,7 @@ class RecordProblem(Problem):
         how = f"Friction {'falls' if middle < 0.0 else 'rises'} by {percent(abs(middle))}"
         if pushes:
             term, title = f"{FORCE}*{name}", f"force beside friction that changes with the {name}"
-            how = f"A force beside friction changes by {percent(abs(middle))} of friction"
+            how = f"A force other than friction changes by {percent(abs(middle))} of friction"
         how = f"{how} where the {name} goes from {first} to {last}."
         likely = max(np.mean(k * change > 0.0) for k in (-1, 1)) * (abs(middle) >= NEGLIGIBLE)
         return stated(term, title, float(likely), change, how)

@@ -59,7 +59,7 @@ MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn",
 
 
 def check_items(checks: Checks) -> tuple[page.KeyValue, ...]:
-    """Return a line for each finding of the checks of a record, warnings and errors marked.
+    """Return a line for each finding of the checks, warnings and errors marked; each kind once.
 
     Examples
     --------
@@ -67,14 +67,13 @@ def check_items(checks: Checks) -> tuple[page.KeyValue, ...]:
     >>> [one.mark for one in check_items(check(Measurement(travel=0.2, uncertainty=0.005)))]
     ['warn']
     """
-    return tuple(
-        page.KeyValue(
-            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
-            value=str(finding),
-            mark=MARKS.get(finding.severity, "none"),
-        )
-        for finding in grouped(checks.findings)
-    )
+    result, last, kinds = [], "", [finding.kind for finding in checks.findings]
+    for finding in sorted(grouped(checks.findings), key=lambda item: kinds.index(item.kind)):
+        kind = finding.kind.replace("-", " ").replace("_", " ").capitalize()
+        mark = MARKS.get(finding.severity, "none")
+        result.append(page.KeyValue(key=kind * (kind != last), value=str(finding), mark=mark))
+        last = kind
+    return tuple(result)
 
 
 def opening(
