@@ -44,7 +44,6 @@ PACKAGES = (
     "stickslip.show.plots",
     "stickslip.show.report",
     "stickslip.study",
-    "stickslip.study.characterization",
     "stickslip.study.control",
     "stickslip.study.optimisation",
     "stickslip.study.sweep",
@@ -62,7 +61,6 @@ CONSTRUCTED = (
     "stickslip.friction",
     "stickslip.mechanisms",
     "stickslip.mechanisms.drives",
-    "stickslip.study.characterization",
     "stickslip.study.control",
 )
 """Packages of whose classes with quantities the constructors are declared."""
