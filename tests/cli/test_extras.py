@@ -1,6 +1,5 @@
 """Without an extra, what needs it says what to install, and all else works."""
 
-import importlib
 import re
 import subprocess
 import sys
@@ -83,17 +82,7 @@ def to_xarray() -> None:
     simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=0.1).to_xarray()
 
 
-def adapter(name: str) -> Callable[[], None]:
-    module = f"stickslip.exports.{name}"
-
-    def imported() -> None:
-        sys.modules.pop(module, None)
-        importlib.import_module(module)
-
-    return imported
-
-
-IN_PYTHON = {"gym": adapter("gym"), "xarray": to_xarray}
+IN_PYTHON = {"xarray": to_xarray}
 
 
 def packages(extra: str) -> list[str]:

@@ -4,7 +4,6 @@ from stickslip.show.plots.animations import animation_html as animation_html
 from stickslip.show.plots.animations import draw_scene as draw_scene
 from stickslip.show.plots.animations import frame_rate as frame_rate
 from stickslip.show.plots.animations import frame_times as frame_times
-from stickslip.show.plots.animations import picture_of as picture_of
 from stickslip.show.plots.axes import Sizes as Sizes
 from stickslip.show.plots.axes import horizon as horizon
 from stickslip.show.plots.axes import on_axes as on_axes
