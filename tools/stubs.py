@@ -47,7 +47,6 @@ PACKAGES = (
     "stickslip.study.control",
     "stickslip.study.optimisation",
     "stickslip.study.sweep",
-    "stickslip.study.testing",
 )
 EXTRA = {
     "stickslip": {"__version__": "str"},
