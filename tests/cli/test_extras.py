@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 FOR_CONTRIBUTORS = {"bench", "dev", "docs"}
-IMPORTED = {"pyyaml": "yaml", "mcap-ros2-support": "mcap_ros2"}
+IMPORTED = {"mcap-ros2-support": "mcap_ros2"}
 """What a package is imported as, where that is not its name in small letters."""
 
 CAMPAIGN = """
@@ -44,7 +44,6 @@ kinetic_coefficient = 0.5
 [friction.elbow]
 kinetic_coefficient = 0.2
 """
-APPLY = ("apply", "arm.toml", "--largest-speed", "2 rad/s", "-o")
 
 COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "dask": (("sweep", "sobol.toml", "--executor", "dask://127.0.0.1:1"),),
@@ -69,7 +68,6 @@ COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
             "energy",
         ),
     ),
-    "ros": ((*APPLY, "new.yaml", "controllers.yaml"),),
     "sensitivity": (("sweep", "saltelli.toml"),),
     "tdms": (("init", "record.tdms"), ("check", "record.tdms")),
     "xlsx": (("init", "record.xlsx"), ("check", "record.xlsx")),
@@ -117,7 +115,6 @@ def called(tmp_path, monkeypatch, capsys):
     (tmp_path / "arm.urdf").write_bytes(
         (files("stickslip.mechanisms") / "desk_arm.urdf").read_bytes()
     )
-    (tmp_path / "controllers.yaml").write_text("arm:\n  ros__parameters:\n    rate: 1\n")
     for design in ("sobol", "saltelli"):
         (tmp_path / f"{design}.toml").write_text(CAMPAIGN.format(design=design))
     for ending in ("mcap", "bag", "mf4", "parquet", "tdms", "xlsx"):

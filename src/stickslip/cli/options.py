@@ -515,8 +515,7 @@ class ApplyOptions(LawOfFileOptions, WriteOptions):
     """Contact input of the laws at which joints have their friction, such as "temperature=35 degC",
     or "elbow.temperature=35 degC" for one; may be repeated."""
     to: Annotated[str | None, typer.Option(metavar="PROGRAM")] = None
-    """What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which PhysX (Isaac
-    Sim) and Newton read."""
+    """What reads MODEL: urdf, mjcf or physx; default: seen from the file."""
     polynomial: bool = False
     """Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later)."""
     holds: bool = False
