@@ -1137,8 +1137,7 @@ class AppliedJoint(metaclass=Described):
     after: Mapping[str, str]
     """Attributes that were written."""
     largest_speed: float
-    """End of the range of speeds over which both are compared [m/s] or [rad/s]; None where the file
-    has the law itself."""
+    """End of the range of speeds over which both are compared [m/s] or [rad/s]."""
     rms: float
     """Root mean square of the difference of the steady friction, over speeds from 0 to the end of
     the range in both directions, all alike [N] or [N m]."""
