@@ -84,7 +84,7 @@ SMOKE := tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/
   tests/experiments/test_logs.py tests/experiments/test_units.py \
   tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
   tests/plots/test_axes.py tests/report/test_page.py tests/sweep/test_bands.py
-EXTRAS := dask gym logs mdf optimise parquet ros sensitivity tdms xarray xlsx
+EXTRAS := dask logs mdf optimise parquet sensitivity tdms xarray xlsx
 comma := ,
 space := $(subst ,, )
 FRESH := -m pip --disable-pip-version-check install --quiet --no-compile --only-binary :all:
