@@ -174,7 +174,7 @@ def test_points_beside_a_band_are_friction_at_what_the_gear_transmits_usually(si
 
 def test_what_runs_do_not_look_for_is_said(verdict):
     (said,) = [line for line in verdict.words.cannot_tell if "These runs cannot show" in line]
-    for what in ("direction", "input", "place", "time", "constant force", "presliding"):
+    for what in ("direction", "input", "position", "time", "constant force", "presliding"):
         assert what in said
 
 
