@@ -1059,7 +1059,7 @@ def read_as(
     if path.suffix.casefold() in SPREADSHEET:
         bare = [without_unit(name) for name in names]
         own = [name and again for name, again in zip(bare, numbered_twice(bare), strict=True)]
-        names = [name.replace(*pair, 1) for name, *pair in zip(names, bare, own, strict=True)]
+        names = [name.replace(old, new, 1) for name, old, new in zip(names, bare, own, strict=True)]
         if again := [shown(name) for name in own if name not in bare]:
             remarks = (f"Names that stand twice are numbered: {joined(again, MOST_LISTED)}.",)
     sample = lines[1 + layout.units_row :][:FEW_SAMPLES]
