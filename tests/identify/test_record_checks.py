@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.identify.bands import Array
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_model import RecordModel, force_wave
-from stickslip.identify.problems.record_rows import by_best_sensor
+from stickslip.identify.problems.record_rows import RESTS, by_best_sensor, pieces_of
 from stickslip.identify.problems.record_signals import Record, noise_of
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -212,6 +212,19 @@ def test_a_force_that_acts_late_is_a_delay_and_no_inertia():
         parameter for parameter in found.parameters if parameter.path == "mechanism.inertia"
     ]
     assert inertia.low_any < INERTIA < inertia.high_any
+
+
+def test_a_body_that_travels_far_in_short_slips_does_not_rest():
+    # a slip of 2 frames in 13, as a camera sees a body that a weight kicks
+    rng, frame = np.random.default_rng(3), np.arange(780)
+    x = 1e-3 * (frame // 13 + np.clip(frame % 13 - 10, 0, 2) / 2.0)
+    film = Record(
+        time=frame / 120.0, position=x + 5e-5 * rng.normal(size=len(x)), force=1.0 + 0 * x
+    )
+    (piece,), _ = pieces_of([film])
+    assert np.any(piece.usable(piece.cutoff))
+    with pytest.raises(InputError, match=RESTS[:24]):
+        pieces_of([Record(time=film.time, position=film.position - x, force=film.force)])
 
 
 def test_velocities_that_are_later_than_positions_are_not_taken() -> None:

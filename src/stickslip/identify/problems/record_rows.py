@@ -59,8 +59,9 @@ PER, FINER = 2.2, 3
 """Rows for each 1/cutoff, and how many times as many the filter gives, so that nothing aliases."""
 MOST_ROWS = 6000
 """Rows at most; of longer records, fewer for each 1/cutoff."""
-STILL = 8.0
-"""Range of positions within 1/cutoff that is rest, over their noise."""
+STILL, TRAVEL = 8.0, 80.0
+"""Range of positions within 1/cutoff that is rest, over their noise; and in all the record that is
+motion, however short its slips and rests are."""
 WIDER, LITTLE = 2.0, 0.1
 """Least band of the velocity over that of the rows, and its noise over its change in a sample up to
 which it is wider."""
@@ -499,7 +500,14 @@ class Piece:
         else:
             limit = SURE * self.noise * 2.0 * math.pi * self.cutoff
             still = maximum_filter1d(np.abs(self.velocity), 2 * half + 1) < limit
-        return np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+        wide = np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+        return still if np.all(wide) and self.travels else wide
+
+    @property
+    def travels(self) -> bool:
+        """Whether it goes much farther than noise, and so does not rest throughout."""
+        noise = max(self.noise, self.given.position_noise)
+        return self.given.located and bool(np.ptp(self.record.position) > TRAVEL * noise)
 
     @property
     def start(self) -> float:
@@ -745,7 +753,7 @@ def pieces_of(
         every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
         record = averaged(entry, means) if means > 1 else entry
         pieces.append(Piece(record=record, given=entry, cutoff=cutoff, every=every))
-    if fitted and all(np.all(piece.still) for piece in pieces):
+    if fitted and all(np.all(piece.still) and not piece.travels for piece in pieces):
         raise InputError(RESTS)
     taken = max(1.0 / (PER * top), total / MOST_ROWS)
     return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)
