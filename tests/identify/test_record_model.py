@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from stickslip import Axis, Measurement, select
+from stickslip import Axis, Measurement, fit, select
 from stickslip.errors import InputError
 from stickslip.identify.forces import Unknown
 from stickslip.identify.judgement import Judgement
@@ -21,7 +21,9 @@ from stickslip.identify.problems.records import RecordProblem
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
 
 
-def driven(seed: int = 1, *, duration: float = 10.0, level: float = LEVEL) -> Record:
+def driven(
+    seed: int = 1, *, duration: float = 10.0, level: float = LEVEL, inertia: float = INERTIA
+) -> Record:
     """Return a record at 500 Hz of an axis with level and viscous friction."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, duration, 0.002)
@@ -31,7 +33,7 @@ def driven(seed: int = 1, *, duration: float = 10.0, level: float = LEVEL) -> Re
         x += size * np.sin(w * t + phase)
         v += size * w * np.cos(w * t + phase)
         a -= size * w * w * np.sin(w * t + phase)
-    force = INERTIA * a + level * np.sign(v) + VISCOUS * v
+    force = inertia * a + level * np.sign(v) + VISCOUS * v
     return Record(
         time=t,
         position=x + 1e-6 * rng.normal(size=len(t)),
@@ -82,6 +84,20 @@ def test_level_viscous_friction_and_inertia_of_an_axis_are_in_their_intervals() 
     low, high = np.quantile(problem.rig(judgement.draws)["inertia"], (0.005, 0.995))
     assert low < INERTIA < high
     assert judgement.is_told
+
+
+@pytest.mark.slow
+def test_an_inertia_that_the_motion_does_not_show_is_at_most_so_much_and_never_below_zero() -> None:
+    for seed in (1, 2, 3):  # errors of the balance have either sign
+        seen = driven(seed, duration=6.0, inertia=0.002)
+        record = Measurement(time=seen.time, position=seen.position, force=seen.force)
+        vary = ["friction.*", "mechanism.inertia"]
+        found = fit(Axis(inertia=1.0), "coulomb-viscous", record, vary=vary)
+        inertia = found.estimate("mechanism.inertia")
+        assert inertia.value >= 0.0
+        assert inertia.range.startswith("at most")
+        assert 0.002 < inertia.high < 0.1
+        assert inertia.reason == "not identified: it may be as small as 0 kg"
 
 
 def test_readings_of_another_run_with_a_level_of_its_own_are_in_their_band() -> None:

@@ -468,12 +468,13 @@ class RecordModel(Model):
         noise = self.at(node, "noise")
         gram = self._gram(which, memory, node[-3], node[self.names.index("length")])
         design, unknown = self.design(which, memory), self.balance.pieces[0].record.unknown
+        inertia = (design.places["inertia"].start,) if self.balance.finds_inertia else ()
         return System(
             gram=self.kappas[which] / noise**2 * gram,
             deviations=self.deviations(node),
             volume=self.kappas[which] * self._volume(node),
             sizes=design.sizes,
-            positive=self._positive(node),
+            positive=(*self._positive(node), *inertia),
             links=tuple(design.places[name].start for name, x in unknown.items() if x.link),
         )
 
