@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.identify.forces import Unknown
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.posterior import Column, Model, Node, Posterior, Scale, System
-from stickslip.identify.problems.record_columns import OTHERS, Memory, relaxed
+from stickslip.identify.problems.record_columns import OTHERS, Balance, Memory, relaxed
 from stickslip.identify.problems.record_rows import continued, cutoff_of
 from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordProblem
@@ -84,6 +84,27 @@ def test_level_viscous_friction_and_inertia_of_an_axis_are_in_their_intervals() 
     low, high = np.quantile(problem.rig(judgement.draws)["inertia"], (0.005, 0.995))
     assert low < INERTIA < high
     assert judgement.is_told
+
+
+@pytest.mark.parametrize("place", [True, False])
+def test_speeds_at_which_an_encoder_steps_too_seldom_are_not_resolved(place: bool) -> None:
+    rate, step = 100.0, 0.004  # .4 rad/s for one step from sample to sample
+    t = np.arange(0.0, 60.0, 1.0 / rate)
+    v = 2.0 ** np.interp(t % 15.0, [0.0, 7.5, 15.0], [-7.0, 1.5, -7.0])
+    x = np.round(np.cumsum(np.where(t % 30.0 < 15.0, v, -v)) / rate / step) * step
+    speed = None if place else np.append(np.diff(x), 0.0) * rate
+    record = Record(
+        time=t, position=x, velocity=speed, force=np.sign(np.gradient(x)), located=place
+    )
+    balance = Balance([record])
+    (piece,) = balance.pieces
+    # three steps within the filter of the velocity, whose cutoff is twice that of the rows
+    assert piece.resolution == pytest.approx(6.0 * step * piece.cutoff, rel=1e-6)
+    assert balance.frame.low >= piece.resolution > 0.05
+    noise = step * np.random.default_rng(1).normal(size=len(t))
+    read = np.round((x + noise) / step) * step
+    finer = Balance([replace(record, position=read, velocity=None, located=True)])
+    assert finer.pieces[0].resolution == 0.0
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
 from stickslip.identify.fits import SURE, play
-from stickslip.identify.problems.record_signals import Filter, Record
+from stickslip.identify.problems.record_signals import Filter, Record, noise_of, step_of
 
 Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
@@ -91,6 +91,9 @@ ALONG = 3.0
 long."""
 SHORT = 10.0
 """Length over the noise of positions from which on a bristle is seen."""
+COARSE = 2.0
+"""Step of an encoder over the noise of its values, from which nothing but the step is their noise:
+it is the root of 12 where there is no other."""
 MOMENT = 2
 """Samples about a turn that do not tell when it was."""
 OTHER_UNIT = 0.3
@@ -417,6 +420,17 @@ class Piece:
     def velocity_noise(self) -> float:
         """Standard deviation of the noise of velocities, where they were measured [m/s]."""
         return self.given.velocity_noise * self._fewer
+
+    @property
+    def resolution(self) -> float:
+        """Speed below which an encoder steps too seldom for the filter to show it [m/s]; or 0."""
+        by_place = self.record.velocity is None
+        x = self.given.position if by_place else np.asarray(self.given.velocity)
+        step = step_of(x)
+        if step < COARSE * noise_of(x):  # noise beside the steps makes them finer
+            return 0.0
+        seen = min(SURE * self.wider * self.cutoff * self.sample, 1.0)
+        return seen * step / (self.sample if by_place else 1.0)
 
     @cached_property
     def widest(self) -> float:
