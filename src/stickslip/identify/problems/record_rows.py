@@ -37,8 +37,9 @@ RESTS = (
     " nothing tells friction. Move it farther."
 )
 COST = 0.0015
-"""Noise of the inertial force over the standard deviation of the force: at 1 % of it, viscous
-friction of axes in a loop is wrong by .3 to 1.9 %."""
+"""Noise of the inertial force over the standard deviation of the force, or over its root mean
+square where the motion goes one way: at 1 % of it, viscous friction of axes in a loop is wrong by
+.3 to 1.9 %."""
 CUTOFFS = (0.7, 1.0, 1.4)
 """Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
 LOW, MIDDLE = 0, 1
@@ -244,7 +245,10 @@ def cutoff_of(record: Record) -> float:
     most = min(SAMPLES / step, HIGHEST)
     # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
     costs = record.gain * inertia * _noise_of_acceleration(record, most)
-    share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
+    # one way the force may hardly change, and noise matters beside its size
+    both_ways = min(np.mean(v > 0.0), np.mean(v < 0.0)) > BACK
+    whole = float(np.std(force) if both_ways else np.sqrt(np.mean(force**2)))
+    share = COST * whole / costs if costs > 0.0 else 1.0
     band = most * min(share, 1.0) ** (2.0 / (5.0 if record.velocity is None else 3.0))
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
@@ -575,7 +579,7 @@ class Piece:
         result[:ends] = result[count - ends :] = False
         least = WAY_MEASURED if measured else WAY
         moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
-        if moved[-1] > 2.0 * least * np.ptp(q):  # else it never comes back
+        if moved[-1] > (1.0 + least) * np.ptp(q):  # else it never comes back
             result[:most] &= moved[:most] > least * np.ptp(q)
         return result
 
