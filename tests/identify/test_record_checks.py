@@ -290,3 +290,14 @@ def test_velocities_are_kept_where_positions_are_wrong(wrong: Callable[[Array], 
     read = v + 1e-5 * rng.normal(size=len(t))
     record = Record(time=t, position=wrong(x), force=force, velocity=read)
     assert by_best_sensor([record])[0].velocity is not None
+
+
+def test_the_start_of_a_motion_in_one_direction_is_used_from_two_lengths_of_the_filter():
+    rng, t = np.random.default_rng(4), np.arange(0.0, 4.0, 0.003)
+    v = 30.0 * (1.0 - np.exp(-t / 0.15))
+    x = np.round(30.0 * (t + 0.15 * np.exp(-t / 0.15)), 4)
+    force = 8e-4 * (30.0 - v) / 0.15 + 0.05 + 0.0052 * v + 0.02 * rng.normal(size=len(t))
+    (piece,), _ = pieces_of([Record(time=t, position=x, force=force, inertia=8e-4)])
+    first = t[np.argmax(piece.usable(piece.cutoff))]
+    assert first <= 2.0 / piece.cutoff + 2.0 * piece.step
+    assert first < 0.02 * t[-1]
