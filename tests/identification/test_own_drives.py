@@ -259,6 +259,18 @@ def test_velocities_with_much_noise_leave_the_level_where_it_is(seed):
     assert level.value == pytest.approx(0.18, abs=0.02)
 
 
+@pytest.mark.slow
+def test_a_film_with_a_few_frames_for_each_slip_tells_the_friction():
+    shaken = Capsule(
+        capsule_mass=0.145, inner_mass=0.017, stiffness=60.0, damping=0.05, upper_stop=0.004,
+        lower_stop=-0.02, restitution=0.4, drive=Torque(drive=Sine(amplitude=0.6, frequency=9.0)),
+    )  # fmt: skip
+    film = record(shaken, 6.0, 120.0, 5e-5, law=Coulomb(kinetic_coefficient=0.23), seed=0)
+    found = fit(shaken, Coulomb, film)
+    assert found.law.kinetic_coefficient == pytest.approx(0.23, abs=0.002)
+    assert found.law.static_coefficient is None
+
+
 def test_a_motion_that_noise_leaves_no_row_of_is_refused():
     mechanism, length, rate, _ = CASES["stroke"]
     t = np.arange(0.0, length, 1.0 / rate)

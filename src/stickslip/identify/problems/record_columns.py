@@ -207,7 +207,8 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     resolved = rows.far > RESOLVED
     seen = speed[resolved] if np.mean(resolved) > 0.3 else speed
     top = float(np.quantile(seen, 0.995))
-    low = max(top / DECADES, float(np.quantile(seen, 0.01)))
+    resolution = max(piece.resolution for piece in pieces)
+    low = max(top / DECADES, float(np.quantile(seen, 0.01)), resolution)
     low = min(low, 0.5 * top)
     passed = PASSED * max(piece.passed for piece in pieces)
     count = max(6, math.ceil(KNOTS * math.log(top / low)))

@@ -34,6 +34,8 @@ from scipy.linalg import cho_factor, cho_solve, cholesky
 
 from stickslip.identify.own_laws import certain_of, signed_of
 from stickslip.identify.posterior import (
+    AT_BOUND,
+    COEFFICIENT,
     Array,
     Column,
     Family,
@@ -371,6 +373,7 @@ class RecordModel(Model):
         self._grams: dict[tuple[int, int, int, int], Array] = {}
         self._fixed: dict[int, dict[str, Array]] = {}
         self._roots: dict[int, Array] = {}
+        self._heavy: bool | None = None
         self._choose_band()
         node = self._rounds()
         self.start = self._widen(node)
@@ -468,12 +471,18 @@ class RecordModel(Model):
         noise = self.at(node, "noise")
         gram = self._gram(which, memory, node[-3], node[self.names.index("length")])
         design, unknown = self.design(which, memory), self.balance.pieces[0].record.unknown
+        gram = self.kappas[which] / noise**2 * gram
+        inertia: tuple[int, ...] = ()
+        if self.balance.finds_inertia:
+            inertia = (design.places["inertia"].start,)
+            if self._heavy is None:
+                self._heavy = is_possible(inertia[0], gram, self.deviations(node))
         return System(
-            gram=self.kappas[which] / noise**2 * gram,
+            gram=gram,
             deviations=self.deviations(node),
             volume=self.kappas[which] * self._volume(node),
             sizes=design.sizes,
-            positive=self._positive(node),
+            positive=(*self._positive(node), *inertia * bool(self._heavy)),
             links=tuple(design.places[name].start for name, x in unknown.items() if x.link),
         )
 
@@ -1236,6 +1245,15 @@ class RecordModel(Model):
 def stretches(count: int) -> Places:
     """Return the number of the stretch of each of so many rows (n,)."""
     return np.minimum(np.arange(count) * STRETCHES // count, STRETCHES - 1)
+
+
+def is_possible(at: int, gram: Array, deviations: Array) -> bool:
+    """Return whether a coefficient may be above 0; data that have it far below are wrong."""
+    sizes = np.append(deviations, np.full(len(gram) - 1 - len(deviations), COEFFICIENT))
+    precision = sizes[:, None] * gram[:-1, :-1] * sizes + np.eye(len(sizes))
+    unit = np.eye(len(sizes))[at]
+    of_it = np.linalg.solve(precision, unit)
+    return bool(of_it @ (sizes * gram[:-1, -1]) > AT_BOUND * math.sqrt(of_it[at]))
 
 
 def share_of(scores: Array) -> float:

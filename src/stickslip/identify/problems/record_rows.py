@@ -26,7 +26,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
 from stickslip.identify.fits import SURE, play
-from stickslip.identify.problems.record_signals import Filter, Record
+from stickslip.identify.problems.record_signals import Filter, Record, noise_of, step_of
 
 Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
@@ -37,8 +37,9 @@ RESTS = (
     " friction cannot be determined. Move it farther."
 )
 COST = 0.0015
-"""Noise of the inertial force over the standard deviation of the force: at 1 % of it, viscous
-friction of axes in a loop is wrong by .3 to 1.9 %."""
+"""Noise of the inertial force over the standard deviation of the force, or over its root mean
+square where the motion goes one way: at 1 % of it, viscous friction of axes in a loop is wrong by
+.3 to 1.9 %."""
 CUTOFFS = (0.7, 1.0, 1.4)
 """Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
 LOW, MIDDLE = 0, 1
@@ -59,8 +60,9 @@ PER, FINER = 2.2, 3
 """Rows for each 1/cutoff, and how many times as many the filter gives, so that nothing aliases."""
 MOST_ROWS = 6000
 """Rows at most; of longer records, fewer for each 1/cutoff."""
-STILL = 8.0
-"""Range of positions within 1/cutoff that is rest, over their noise."""
+STILL, TRAVEL = 8.0, 80.0
+"""Range of positions within 1/cutoff that is rest, over their noise; and in all the record that is
+motion, however short its slips and rests are."""
 WIDER, LITTLE = 2.0, 0.1
 """Least band of the velocity over that of the rows, and its noise over its change in a sample up to
 which it is wider."""
@@ -90,6 +92,9 @@ ALONG = 3.0
 long."""
 SHORT = 10.0
 """Length over the noise of positions from which on a bristle is seen."""
+COARSE = 2.0
+"""Step of an encoder over the noise of its values, from which nothing but the step is their noise:
+it is the root of 12 where there is no other."""
 MOMENT = 2
 """Samples about a turn that do not tell when it was."""
 OTHER_UNIT = 0.3
@@ -240,7 +245,10 @@ def cutoff_of(record: Record) -> float:
     most = min(SAMPLES / step, HIGHEST)
     # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
     costs = record.gain * inertia * _noise_of_acceleration(record, most)
-    share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
+    # one way the force may hardly change, and noise matters beside its size
+    both_ways = min(np.mean(v > 0.0), np.mean(v < 0.0)) > BACK
+    whole = float(np.std(force) if both_ways else np.sqrt(np.mean(force**2)))
+    share = COST * whole / costs if costs > 0.0 else 1.0
     band = most * min(share, 1.0) ** (2.0 / (5.0 if record.velocity is None else 3.0))
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
@@ -417,6 +425,17 @@ class Piece:
         """Standard deviation of the noise of velocities, where they were measured [m/s]."""
         return self.given.velocity_noise * self._fewer
 
+    @property
+    def resolution(self) -> float:
+        """Speed below which an encoder steps too seldom for the filter to show it [m/s]; or 0."""
+        by_place = self.record.velocity is None
+        x = self.given.position if by_place else np.asarray(self.given.velocity)
+        step = step_of(x)
+        if step < COARSE * noise_of(x):  # noise beside the steps makes them finer
+            return 0.0
+        seen = min(SURE * self.wider * self.cutoff * self.sample, 1.0)
+        return seen * step / (self.sample if by_place else 1.0)
+
     @cached_property
     def widest(self) -> float:
         """Band of the velocity over that of the rows, up to which noise moves turns by little."""
@@ -499,7 +518,14 @@ class Piece:
         else:
             limit = SURE * self.noise * 2.0 * math.pi * self.cutoff
             still = maximum_filter1d(np.abs(self.velocity), 2 * half + 1) < limit
-        return np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+        wide = np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+        return still if np.all(wide) and self.travels else wide
+
+    @property
+    def travels(self) -> bool:
+        """Whether it goes much farther than noise, and so does not rest throughout."""
+        noise = max(self.noise, self.given.position_noise)
+        return self.given.located and bool(np.ptp(self.record.position) > TRAVEL * noise)
 
     @property
     def start(self) -> float:
@@ -553,7 +579,7 @@ class Piece:
         result[:ends] = result[count - ends :] = False
         least = WAY_MEASURED if measured else WAY
         moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
-        if moved[-1] > 2.0 * least * np.ptp(q):  # else it never comes back
+        if moved[-1] > (1.0 + least) * np.ptp(q):  # else it never comes back
             result[:most] &= moved[:most] > least * np.ptp(q)
         return result
 
@@ -745,7 +771,7 @@ def pieces_of(
         every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
         record = averaged(entry, means) if means > 1 else entry
         pieces.append(Piece(record=record, given=entry, cutoff=cutoff, every=every))
-    if fitted and all(np.all(piece.still) for piece in pieces):
+    if fitted and all(np.all(piece.still) and not piece.travels for piece in pieces):
         raise InputError(RESTS)
     taken = max(1.0 / (PER * top), total / MOST_ROWS)
     return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)
