@@ -27,9 +27,6 @@ from stickslip.show.formatting import (
     within,
 )
 
-AS_EXPECTED = 0.85
-"""Share of the readings of a second measurement in the 95 % band below which it differs."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Words:
@@ -334,7 +331,7 @@ def second_sentence(foreseen: Foreseen) -> str:
     """Return how many readings of a second measurement lie in the band, and their error."""
     count = f"{len(foreseen.measured):,} readings of the second measurement"
     said = f"{percent(foreseen.inside)} of the {count} lie in the band"
-    if foreseen.inside >= AS_EXPECTED:
+    if not foreseen.differs:
         said += ", as expected"
     else:
         said += " in which 95 % should: it differs by more than this measurement shows"

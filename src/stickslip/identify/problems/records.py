@@ -39,7 +39,6 @@ from stickslip.identify.problems.record_columns import (
     BESIDE_MODE,
     COSINES,
     FORCE,
-    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
@@ -64,6 +63,7 @@ from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.projection import TOLERANCE, Rung, Shaped
 from stickslip.identify.vocabulary import (
     FLOW_DIRECTIONS,
+    GEAR,
     PARTS,
     Grid,
     flow_direction,
