@@ -51,7 +51,7 @@ from stickslip.identify.projection import (
     names_of,
     shapes_to_draw,
 )
-from stickslip.identify.vocabulary import Grid
+from stickslip.identify.vocabulary import PARTS, Grid
 from stickslip.show.formatting import joined
 
 SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
@@ -210,10 +210,16 @@ class Problem(ABC):
     def tied(self, structure: Shaped) -> Shaped:
         """Return a structure whose shapes agree where terms share an entry.
 
-        Both directions of a power have one exponent.
+        Both directions of a power have one exponent, and all that follow it one power of the load.
         """
         power = dict(structure).get("power", ())[:1]
-        return [(n, power if n == "power_direction" else s) for n, s in structure]
+        of_load = [s[-1] for n, s in structure if n in PARTS and len(s) > len(PARTS[n].shapes)]
+        return [
+            (n, power) if n == "power_direction"
+            else (n, (*s[:-1], of_load[0])) if n in PARTS and len(s) > len(PARTS[n].shapes)
+            else (n, s)
+            for n, s in structure
+        ]  # fmt: skip
 
     def design(self, structure: Shaped, rows: Any) -> Array:
         """Return the columns of a law at rows (n, p); (k, n, p) for shapes of k draws."""
@@ -550,8 +556,13 @@ class Judgement:
         Rows of the band are counted after the places.
         """
         rows, target = self._asked
-        apart = np.abs(self.curve_of(rung, rows) - target.middle) / target.size
-        rung = replace(rung, distance=max(rung.distance, float(np.quantile(apart, PLACES))))
+        left = np.abs(self.curve_of(rung, rows) - target.middle)
+        apart = left / target.size
+        rung = replace(
+            rung,
+            distance=max(rung.distance, float(np.quantile(apart, PLACES))),
+            excess=max(rung.excess, float(np.quantile(left / target.allowed, PLACES))),
+        )
         where = int(np.argmax(apart))
         if apart[where] <= rung.worst:
             return rung

@@ -382,15 +382,6 @@ class TableProblem(Problem):
 
     # ---- laws -------------------------------------------------------------------------------
 
-    def tied(self, structure: Shaped) -> Shaped:
-        """Return a structure whose shapes agree: one power of the load for all that follow it."""
-        own = super().tied(structure)
-        powers = [s[-1] for n, s in own if n in PARTS and len(s) > len(PARTS[n].shapes)]
-        return [
-            (n, (*s[:-1], powers[0]) if n in PARTS and len(s) > len(PARTS[n].shapes) else s)
-            for n, s in own
-        ]
-
     def columns(self, column: tuple[str, Any], rows: Rows) -> list[Array]:
         """Return the columns of a term: parts of laws, and what differs."""
         name, shape = column
