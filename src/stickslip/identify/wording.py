@@ -12,7 +12,7 @@ from stickslip.identify.candidates import MOST, in_sentence
 from stickslip.identify.fits import Estimate
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.posterior import Array
-from stickslip.identify.propose import COUNTED, Proposal
+from stickslip.identify.propose import COUNTED, WORTH, Proposal
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import (
     at_worst,
@@ -172,6 +172,18 @@ NO_READINGS = (
     "Further readings of these runs are not expected to narrow the band by a twentieth: measure"
     " another run or specimen, as a further trial."
 )
+
+
+DRIFTING = (
+    "Friction drifts, and further readings are expected to widen the band to {} of today's while it"
+    " does: remove the cause, or begin where friction is steady."
+)
+
+
+def nothing_further(proposal: Proposal) -> str:
+    """Return why no readings are proposed."""
+    wider = proposal.shrinks * WORTH > 1.0
+    return DRIFTING.format(percent(proposal.shrinks)) if wider else NO_READINGS
 
 
 NO_RECORDS = (
