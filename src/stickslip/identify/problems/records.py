@@ -66,6 +66,7 @@ from stickslip.identify.vocabulary import (
     FLOW_DIRECTIONS,
     GEAR,
     PARTS,
+    STEP,
     Grid,
     flow_direction,
     parameters_of,
@@ -75,8 +76,6 @@ from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
-POWERS = 27
-"""Powers of the load that are compared, from the least to the largest: steps of .05."""
 DRAWN = 400
 """Rows that a figure shows."""
 FARTHER = 0.75
@@ -272,7 +271,8 @@ class RecordProblem(Problem):
             return 1.0
         rows = self._places
         size = np.mean(np.abs(y := np.mean(self.steady(rows, self._usual), axis=0))) * rows.ratio
-        laws = {a: with_power(law, a) for a in np.linspace(*LOADS, POWERS).tolist()}
+        powers = np.round(np.arange(LOADS[0], LOADS[1] + 0.5 * STEP, STEP), 6).tolist()
+        laws = {a: with_power(law, a) for a in powers}
         if "level" in dict(law):
             laws[0.0] = (*law, ("adhesion", ()))
         left = dict[float, float]()
