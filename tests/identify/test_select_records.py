@@ -310,6 +310,32 @@ def test_lengths_in_the_wrong_unit_are_said_and_change_no_level(factor):
     assert_holds(verdict, {"forward_kinetic_coefficient": 4.5})
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("level", "power", "base", "said"),
+    [
+        (0.9, 0.7, 0.0, "with the load to the power 0.7"),
+        (0.4, 1.0, 4.0, "with a level that no load changes"),
+        (0.3, 1.25, 0.0, "with the load to the power 1."),
+        (0.9, 1.0, 0.0, ""),
+    ],
+)
+def test_how_levels_follow_a_load_that_changes_along_a_record_is_named(level, power, base, said):
+    random, t = np.random.default_rng(11), np.arange(900) / 150.0
+    x = 0.02 * np.sin(2.2 * t) + 0.008 * np.sin(7.0 * t) + 0.003 * np.sin(15.0 * t)
+    v, load = np.gradient(x, t), 20.0 + 14.0 * np.sin(2.3 * t + 1.0)
+    friction = np.sign(v) * (level * load**power + base) + 6.0 * v
+    friction += 0.02 * friction.std() * random.normal(size=len(t))
+    verdict = select(
+        Axis(inertia=1.0), None, Measurement(time=t, position=x, friction=friction, load=load)
+    )
+    assert said in verdict.sentence
+    assert ("load" in verdict.sentence) == bool(said)
+    for at in (8.0, 20.0, 32.0):
+        truth = level * at**power + base + 6.0 * 0.05
+        assert verdict.named_curve(np.array([0.05]), at)[0] == pytest.approx(truth, rel=0.02)
+
+
 def test_a_record_without_motion_decides_nothing():
     t = np.arange(0.0, 4.0, 0.01)
     still = Measurement(time=t, position=np.zeros(400), force=np.sin(t))

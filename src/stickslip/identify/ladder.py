@@ -51,7 +51,6 @@ from stickslip.identify.verdict import (
 )
 from stickslip.identify.wording import (
     NO_FRICTION,
-    NO_READINGS,
     RADIUS_SENTENCE,
     UNIT_LOAD_SENTENCE,
     Words,
@@ -59,6 +58,7 @@ from stickslip.identify.wording import (
     band_sentence,
     lacking_sentences,
     load_sentence,
+    nothing_further,
     of_load_text,
     outlier_sentence,
     parameter_sentence,
@@ -367,7 +367,7 @@ def readings_sentence(
         said += [inputs_text(values, turning=measurement.turning)] if values else []
         texts[k] = f"{text} at {joined(said)}"
     texts = [text for _, text in sorted(zip(places, texts, strict=True))]
-    return advice_sentence(proposal, texts, listed=listed) if texts else NO_READINGS
+    return advice_sentence(proposal, texts, listed=listed) if texts else nothing_further(proposal)
 
 
 def ladder_verdict(

@@ -37,11 +37,9 @@ from stickslip.identify.problems.record_rows import (
     pieces_of,
 )
 from stickslip.identify.problems.record_signals import Record, bristle
-from stickslip.identify.vocabulary import DRY, PARTS
+from stickslip.identify.vocabulary import DRY, GEAR, PARTS
 from stickslip.maths import Scalar
 
-GEAR = "gear"
-"""Term of a level that grows with what the gear transmits, whatever the load is."""
 LEVELS = DRY | {GEAR}
 """Terms that lag with the bristle."""
 FORCE = "force"

@@ -50,7 +50,6 @@ from stickslip.identify.posterior import (
 from stickslip.identify.problems.record_columns import (
     CONSTANTS,
     FORCE,
-    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
@@ -70,7 +69,7 @@ from stickslip.identify.problems.record_rows import (
     BalanceRows,
 )
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
+from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, SIGNED, Grid, levels_at
 
 Names: TypeAlias = NDArray[np.str_]
 Mask: TypeAlias = NDArray[np.bool_]
@@ -1276,16 +1275,9 @@ def usual_families(frame: RecordFrame) -> list[Family]:
 
 
 def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structure, float]]:
-    """Yield laws with their shapes, and the logarithms of their priors.
-
-    A level by what the gear transmits costs one place from usual to unusual more.
-    """
-    for family in families:
-        beside = [(GEAR, ())] if GEAR in family else list[Column]()
-        rest = tuple(name for name in family if name != GEAR)
-        for _, shapes, prior in grid.families([rest]):
-            law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda item: item[0])
-            yield tuple(law), prior - PLACE * len(beside)
+    """Yield laws with their shapes, and the logarithms of their priors."""
+    for family, shapes, prior in grid.families([tuple(sorted(item)) for item in families]):
+        yield tuple(zip(family, shapes, strict=True)), prior
 
 
 def _top(x: Array, y: Array) -> tuple[float, float]:

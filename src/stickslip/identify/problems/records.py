@@ -39,7 +39,6 @@ from stickslip.identify.problems.record_columns import (
     BESIDE_MODE,
     COSINES,
     FORCE,
-    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
@@ -61,10 +60,13 @@ from stickslip.identify.problems.record_curves import (
 from stickslip.identify.problems.record_model import SCALES, RecordModel, laws_of
 from stickslip.identify.problems.record_rows import MIDDLE, SHORT
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.projection import TOLERANCE, Rung, Shaped
+from stickslip.identify.projection import LOADS, MARGIN, TOLERANCE, Rung, Shaped
 from stickslip.identify.vocabulary import (
+    DRY,
     FLOW_DIRECTIONS,
+    GEAR,
     PARTS,
+    STEP,
     Grid,
     flow_direction,
     parameters_of,
@@ -172,7 +174,18 @@ class RecordProblem(Problem):
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "RecordProblem":
         result = copy.copy(self)
-        of_draws = ("changing", "beside", "_left", "_usual", "_middle", "_noisier")
+        of_draws = (
+            "changing",
+            "beside",
+            "_is_load_told",
+            "of_load",
+            "_places",
+            "grid",
+            "_left",
+            "_usual",
+            "_middle",
+            "_noisier",
+        )
         for name in ("families_of_structures", *of_draws):
             result.__dict__.pop(name, None)
         result.families, result.restricted = (*families, *map(family_of, own)), True
@@ -224,21 +237,21 @@ class RecordProblem(Problem):
         for name in changing:
             mean, size = frame.inputs[name]
             points = [{**point, name: mean + k * size} for point in points for k in (-1.0, 1.0)]
-        if self.adhesive:
+        if self._is_load_told:
             points = [{**point, LOAD: x} for point in points for x in self._loads]
         each = {name: np.repeat([x[name] for x in points], len(v)) for name in points[0]}
         return self.at(np.tile(v, len(points)), each.pop(LOAD, None), each)
 
     @cached_property
     def _loads(self) -> Array:
-        """Loads of a tenth and of nine tenths of the records (2,) [N]."""
+        """Loads from a tenth to nine tenths of the records (5,) [N]: two tell no power."""
         loads = [piece.record.load for piece in self.model.balance.pieces]
         every = np.concatenate([x for x in loads if x is not None])
-        return np.asarray(np.quantile(every, (0.1, 0.9)))
+        return np.asarray(np.quantile(every, np.linspace(0.1, 0.9, 5)))
 
     @cached_property
-    def adhesive(self) -> bool:
-        """Whether a part of the level is told that no load changes."""
+    def _is_load_told(self) -> bool:
+        """Whether levels are told not to be in proportion to the load."""
         if self.model.frame.load == 1.0 or self.families is not None:
             return False
         own = [
@@ -246,7 +259,31 @@ class RecordProblem(Problem):
             for draw in self._usual
         ]
         slope = np.concatenate(own) / self.size
-        return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
+        low, high = np.quantile(slope, (0.025, 0.975))
+        return bool(not low <= 0.0 <= high and abs(np.median(slope)) > TOLERANCE)
+
+    @cached_property
+    def of_load(self) -> float:
+        """Power of the load that levels follow; 0 where a part is one that no load changes.
+
+        The latter is taken where it clearly leaves less of the curves at several loads.
+        """
+        law = self.posterior.law_at(self.posterior.best) if self._is_load_told else ()
+        if not any(name in DRY for name, _ in law):
+            return 1.0
+        rows = self._places
+        size = np.mean(np.abs(y := np.mean(self.steady(rows, self._usual), axis=0))) * rows.ratio
+        powers = np.round(np.arange(LOADS[0], LOADS[1] + 0.5 * STEP, STEP), 6).tolist()
+        laws = {a: with_power(law, a) for a in powers}
+        if "level" in dict(law):
+            laws[0.0] = (*law, ("adhesion", ()))
+        left = dict[float, float]()
+        for power, item in laws.items():
+            x = self.design((*item, *[("offset", ())] * ("offset" in self.beside)), rows)
+            c = np.linalg.lstsq(x / size[:, None], y / size, rcond=None)[0]
+            left[power] = float(np.linalg.norm((y - x @ c) / size))
+        best = min((a for a in left if a), key=lambda a: left[a])
+        return 0.0 if left.get(0.0, math.inf) * MARGIN < left[best] else best
 
     def like(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records, which are another run."""
@@ -283,6 +320,9 @@ class RecordProblem(Problem):
     def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
         """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
         name, shape = column
+        if name in DRY and len(shape) > len(PARTS[name].shapes):
+            of_load = rows.ratio ** (shape[-1] - 1.0)
+            return [x * of_load for x in self.columns((name, shape[:-1]), rows)]
         side = np.sign(rows.velocity)
         state, speed = side * rows.ratio, np.abs(rows.velocity)
         if name == "offset":
@@ -352,8 +392,9 @@ class RecordProblem(Problem):
         if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
             more.append((flow_direction(shapes), shapes.get("power", ())))
         more += [(item, ()) for item in self.changing if item.partition("*")[0] in shapes]
-        more += [("adhesion", ())] * (self.adhesive and "level" in shapes)
-        return tuple(sorted([*structure, *more], key=lambda item: item[0]))
+        more += [("adhesion", ())] * (not self.of_load and "level" in shapes)
+        own = with_power(structure, self.of_load) if self.of_load % 1.0 else structure
+        return tuple(sorted([*own, *more], key=lambda item: item[0]))
 
     def _is_held(self, structure: Structure) -> bool:
         """Return whether a law that is no sum of parts holds a constant offset."""
@@ -384,7 +425,9 @@ class RecordProblem(Problem):
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
-            result.append(candidates_of(family, [*map(self._with_beside, structures)]))
+            own = candidates_of(family, [*map(self._with_beside, structures)])
+            more = bool(self.of_load % 1.0) and any(name in DRY for name in family)
+            result.append(replace(own, parameters=own.parameters + more))
         return result
 
     def title(self, term: str) -> str:
@@ -509,7 +552,10 @@ class RecordProblem(Problem):
                 rig[name] = own[:, 0]
             else:
                 flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
-                terms[name] = shape, own if flows else own / normal
+                entries = len(PARTS[name].shapes) if name in DRY else len(shape)
+                for power in shape[entries:]:
+                    rig["load_exponent"] = np.broadcast_to(np.ravel(power), count) * 1.0
+                terms[name] = shape[:entries], own if flows else own / normal
         if "adhesion" in rig:  # part of the level at the usual load
             shape, own = terms["level"]
             terms["level"] = shape, own + rig["adhesion"][:, None] / normal
@@ -1027,6 +1073,17 @@ class RecordProblem(Problem):
             f" {'later' if middle > 0.0 else 'earlier'} than recorded: a channel that is late,"
             " a low pass, backlash, a flexible part and a sensor that clips look alike.",
         )  # fmt: skip
+
+
+def with_power(structure: Structure, power: float) -> Structure:
+    """Return a law whose dry parts follow a power of the load.
+
+    Examples
+    --------
+    >>> with_power((("level", ()), ("viscous", ())), 0.7)
+    (('level', (0.7,)), ('viscous', ()))
+    """
+    return tuple((name, (*s, power)) if name in DRY else (name, s) for name, s in structure)
 
 
 def candidates_of(family: Family, structures: Sequence[Structure]) -> Candidates:

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from stickslip.identify.fits import last_digit
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, is_slope, slope_column
 from stickslip.identify.posterior import (
     COEFFICIENT,
@@ -48,6 +49,7 @@ from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
     DRY,
     FAMILIES,
+    GEAR,
     PARTS,
     PLACE,
     SIGNED,
@@ -430,6 +432,8 @@ def is_both_ways(rows: Rows) -> bool:
 def families_at(rows: Rows) -> list[Family]:
     """Return the families of the vocabulary that speeds can tell: at one it is a level.
 
+    Where a gear transmits what differs, each level may grow with it.
+
     Examples
     --------
     >>> v, ones = np.full(4, 0.1), np.ones(4)
@@ -438,9 +442,12 @@ def families_at(rows: Rows) -> list[Family]:
     [(), ('level',)]
     """
     speeds, every = speeds_of(rows), [tuple(item.split()) for item in FAMILIES]
-    if speeds >= FEW_SPEEDS:
+    if speeds < FEW_SPEEDS:
+        one = speeds == 1
+        every = [x for x in every if parameters_of(x) <= speeds - (one and x != ("level",))]
+    if TRANSMITTED not in rows.inputs:
         return every
-    return [x for x in every if parameters_of(x) <= speeds - (speeds == 1 and x != ("level",))]
+    return every + [tuple(sorted((GEAR, *x))) for x in every if "level" in x]
 
 
 def speeds_of(rows: Rows) -> int:
@@ -463,6 +470,8 @@ def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
         return np.asarray(rows.direction * ratio * surplus)
     if name == "adhesion":
         return rows.direction
+    if name == GEAR:
+        return np.asarray(rows.direction * rows.inputs[TRANSMITTED])
     if is_break(name):
         return break_column(name, middle_of(name, shape), rows, frame)
     part = PARTS[name]
@@ -548,15 +557,15 @@ def _loaded(
     plain = tuple(sorted(zip(family, shapes, strict=True)))
     if not frame.loaded:
         return [(plain, 1.0)]
-    dry = any(PARTS[name].dry for name in family)
-    flow = any(not PARTS[name].dry for name in family)
+    dry = any(name in DRY for name in family)
+    flow = any(name not in DRY and name != GEAR for name in family)
     result = []
     for power, prior in LOAD_POWERS.items():
         if dry or power == 1.0:
-            own = tuple((n, (*s, power)) if PARTS[n].dry else (n, s) for n, s in plain)
+            own = tuple((n, (*s, power)) if n in DRY else (n, s) for n, s in plain)
             result.append((own, RULES["own"] * prior))
         if flow or not dry:
-            every = tuple((n, (*s, power)) for n, s in plain)
+            every = tuple((n, s if n == GEAR else (*s, power)) for n, s in plain)
             result.append((every, RULES["all"] * prior))
     if "stribeck" in family:
         hersey = tuple(sorted(("hersey", s) if n == "stribeck" else (n, s) for n, s in plain))
