@@ -32,7 +32,7 @@ from stickslip.identify.problems.record_rows import (
 )
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordProblem
-from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
+from stickslip.mechanisms.drives import PiecewiseLinear, Sampled, Sine
 from stickslip.show.formatting import quantity
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
@@ -441,6 +441,26 @@ def test_a_part_of_the_level_that_no_load_changes_is_told() -> None:
     assert judgement.acting(rows) == pytest.approx(expected, rel=0.02)
     band = judgement.band(rows)
     assert np.all((band.low - 0.02 < expected) & (expected < band.high + 0.02))
+
+
+# ---- a sine of one frequency
+
+
+@pytest.mark.parametrize(("level", "viscous"), [(0.11, 0.26), (0.3, 0.1)])
+def test_friction_takes_the_work_of_a_force_of_one_frequency(level: float, viscous: float) -> None:
+    rng = np.random.default_rng(11)
+    t = np.cumsum(rng.uniform(0.0014, 0.0023, 2400))
+    t -= t[0]
+    axis = Axis(inertia=0.0073, drive=Sine(amplitude=2.0, frequency=1.0))
+    law = CoulombViscous(kinetic_coefficient=level, viscous_coefficient=viscous)
+    x = np.round(simulate(axis, law, t_end=float(t[-1])).at(t)["x"] / 2.4e-5) * 2.4e-5
+    force = 2.0 * np.sin(2.0 * np.pi * t)
+    judgement = judged(Record(time=t, position=x, force=force))
+    rows = judgement.problem.asked()
+    v = rows.velocity
+    true = level * np.sign(v) + viscous * v
+    fast = np.abs(v) > 0.3 * np.max(np.abs(v))
+    assert judgement.acting(rows)[fast] == pytest.approx(true[fast], rel=0.02)
 
 
 # ---- delays, and bristles of any length

@@ -86,13 +86,6 @@ def test_a_memory_is_named_with_its_length():
     assert found["kinetic_coefficient"] / found["bristle_stiffness"] == pytest.approx(0.02, rel=0.1)
 
 
-def test_a_spring_beside_is_a_force_that_changes_with_the_place():
-    judgement = judged(spring=0.4)
-    (place,) = (one for one in judgement.findings if one.term == "force")
-    assert place.asserted
-    assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.02)
-
-
 def test_a_mirrored_record_has_the_same_law():
     one, other = judged(), judged(mirrored=True)
     assert one.family == other.family

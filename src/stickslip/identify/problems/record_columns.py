@@ -560,7 +560,7 @@ class Balance:
                     :, None
                 ]
         result["slope"] = self.slope(which)[:, None]
-        places = [frame.places(p.record.position, self.waves[0]) for p in pieces]
+        places = [self.forces(p.record.position) for p in pieces]
         result["force"] = rows.seen(places)
         result["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
         if self.given:
@@ -576,6 +576,20 @@ class Balance:
     def driven(self) -> bool:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(piece.record.force) for piece in self.pieces)
+
+    @property
+    def is_no_line(self) -> bool:
+        """Whether a drive gives forces that are no line over the position, as a controller's are.
+
+        Only beside a line is a delay looked for: of one frequency both are one thing.
+        """
+        if not self.driven or self.pieces[0].record.joint:
+            return False
+        rows = self.rows(MIDDLE)
+        place, force = (x - np.mean(x) for x in (rows.position, rows.force))
+        slope = float(place @ force) / (float(place @ place) + TINY)
+        left = float(np.std(force - slope * place))
+        return slope > 0.0 or left > SAME_SPAN * float(np.std(force))
 
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.
@@ -726,6 +740,20 @@ class Balance:
         if records[0].joint:
             return {"body": result.get("both", sum(result.values(), np.zeros(rows.count)))}
         return result
+
+    def forces(self, position: Array) -> Array:
+        """Return the basis of a force that changes with the place (n, p), without a line over it.
+
+        Of one frequency a line, the inertia and a delay are one thing.
+        """
+        places = self.frame.places(position, self.waves[0])
+        if not self.driven or self.pieces[0].record.joint:
+            return places
+        along = np.clip(2.0 * (position - self.frame.begin) / self.frame.span - 1.0, -1.0, 1.0)
+        order = np.arange(1, COSINES + 1)
+        line = -12.0 * (order % 2) / (math.pi * order) ** 2 / np.hypot(1.0, order / CURVED)
+        places[:, :COSINES] -= np.outer(along, line)
+        return places
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""

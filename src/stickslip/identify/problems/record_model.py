@@ -605,6 +605,7 @@ class RecordModel(Model):
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
         base = [plain["slope"], rows.seen(drag)[:, None]]
+        base += [rows.position[:, None]] * balance.is_no_line
         base += [plain[name] for name in names]  # the inertia is the last
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(piece.velocity)[:, ::2] for piece in balance.pieces]

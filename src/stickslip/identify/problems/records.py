@@ -729,7 +729,7 @@ class RecordProblem(Problem):
         columns = {
             "drift": course,
             "place": frame.places(rows.position, waves[1]),
-            "force": frame.places(rows.position, waves[0]),
+            "force": model.balance.forces(rows.position),
         }
         changes, apart = [], []
         for draw in draws:
