@@ -239,13 +239,6 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
         fit(wild, Coulomb, seen)
 
 
-def test_a_balance_without_a_recorded_force_says_nothing_of_its_dead_zone():
-    seen = record(replace(SHAKEN, offset=-1.0), 3.0, 100.0, 2e-4, law=SMOOTH)
-    found = fit(SHAKEN, Coulomb, seen, fixed={"offset": 0.0})  # wrong: no run follows
-    assert not isinstance(found.judgement.problem, DrivenProblem)
-    assert not any("dead zone" in sentence for sentence in found.sentences)
-
-
 @pytest.mark.parametrize("seed", [1, 2])
 def test_velocities_with_much_noise_leave_the_level_where_it_is(seed):
     """The prior of a level has the size of friction under the load."""

@@ -177,28 +177,6 @@ def test_steps_of_an_encoder_that_a_file_rounds_are_its_noise():
     assert noise_of(read) == pytest.approx(step / np.sqrt(12.0), rel=0.01)
 
 
-def test_a_spring_that_relaxes_is_told_from_friction():
-    def hose(t, x, v):
-        keep = np.exp(-1.0 / RATE / 0.4)
-        return 4.0 * lfilter([0.4 * (1.0 - keep)], [1.0, -keep], v)
-
-    t, x, force = driven(7, extra=hose)
-    found = select(
-        Axis(inertia=INERTIA),
-        None,
-        Measurement(time=t, position=x, force=force, turning=True),
-        vary=["friction.*", "mechanism.inertia"],
-        route="balance",
-    )
-    (spring,) = (one for one in found.findings if one.term == "relaxing")
-    assert spring.asserted
-    assert any("as that of a hose, a cable" in line for line in found.words.cannot_tell)
-    band = found.band([2.0])
-    assert band.low[0] < LEVEL + 2.0 * VISCOUS < band.high[0]
-    (inertia,) = (x for x in found.parameters if x.path == "mechanism.inertia")
-    assert inertia.low_any < INERTIA < inertia.high_any
-
-
 def test_a_known_constant_force_is_no_friction():
     t, x, force = driven(8, extra=lambda t, x, v: 0.4)
     measured = Measurement(time=t, position=x, force=force, turning=True)

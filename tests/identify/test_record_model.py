@@ -315,17 +315,6 @@ def test_a_bristle_of_another_exponent_is_found_with_the_inertia() -> None:
     assert inertia.value == pytest.approx(INERTIA, rel=0.01)
 
 
-@pytest.mark.parametrize(("heavier", "told"), [(0.02, False), (1.0, True)])
-def test_a_dead_zone_is_told_from_the_level_where_much_accelerates(
-    heavier: float, told: bool
-) -> None:
-    record = driven()
-    a = np.gradient(np.gradient(record.position, record.time), record.time)
-    force = record.force + (heavier - 1.0) * INERTIA * np.convolve(a, np.ones(25) / 25, "same")
-    sentences = RecordProblem([replace(record, force=force)]).untold()
-    assert any("dead zone of the drive" in one for one in sentences) is not told
-
-
 def test_a_level_with_a_part_that_no_load_changes_is_in_its_band() -> None:
     record = driven(5)
     load = 1.0 + 0.5 * np.sin(2.0 * math.pi * record.time / 2.3)

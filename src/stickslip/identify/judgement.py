@@ -73,7 +73,7 @@ ONE_WAY = (
     " interval does not allow for it."
 )
 """What is not distinguished where the posterior has no offset beside a level."""
-OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "zone")
+OF_FRICTION = ("drift", "place", "run", "force")
 """Findings whose sizes are shares of friction, where there is some."""
 UNSEEN = 0.5
 """Friction over the scatter about its law below which nothing is seen of it."""

@@ -24,7 +24,6 @@ from stickslip.identify.bands import Array, Foreseen
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import (
     Hold,
-    drives_itself,
     goes_straight,
     inside,
     load_of,
@@ -362,13 +361,11 @@ def problem_of_records(
     turning: bool = False,
     highest: float = math.inf,
     timed: bool = False,
-    force_recorded: bool = True,
 ) -> RecordProblem | FreeMotionProblem:
     """Return records with the normal force, and the parameters that are looked for.
 
     A constant force is among these with `offset`. What nothing drives is a free motion. It may be
-    known how forces run between samples (`timed`), or that a drive of the mechanism makes them
-    (not `force_recorded`).
+    known how forces run between samples (`timed`).
     """
     loads = [record.load for record in records if record.load is not None]
     slopes: dict[str, tuple[float, float]] = {}
@@ -405,7 +402,6 @@ def problem_of_records(
         turning=turning,
         highest=highest,
         timed=timed,
-        force_recorded=force_recorded,
     )
 
 
@@ -443,7 +439,7 @@ def select_record(
     made = partial(records_of, unknown=vary, offset=offset, held=held, doubts=doubts)
     problem_of = partial(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
-        timed=hold is not None, force_recorded=not drives_itself(mechanism, measurement),
+        timed=hold is not None,
     )  # fmt: skip
     runs = followed(mechanism, measurement, vary, doubts=doubts, offset=offset, hold=hold)
     if runs is None:

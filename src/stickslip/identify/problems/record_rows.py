@@ -83,8 +83,6 @@ SIGMA = 1.4826
 """Standard deviation over the median size, of normal noise."""
 TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
-POWER = 0.999
-"""Share of the power of velocities up to the highest frequency of a motion."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
 ALONG = 3.0
@@ -312,8 +310,6 @@ class Acting:
     order: int = 0
     """Order of the low pass that makes it late: what was recorded has passed it if the delay is
     below 0, what acts else. 0 if all frequencies are as late."""
-    limit: float = math.inf
-    """Force above which no more acts [N]."""
     clipped: bool = False
     """Whether more acts than recorded where the sensor shows as much as it can."""
 
@@ -371,9 +367,8 @@ class Piece:
         return 0.5 * self.sample * self.given.held
 
     def acted(self, acting: Acting) -> Array:
-        """Return the forces that act, but for their delay (n,) [N]: limited before means."""
-        limit, count = acting.limit, round(self.step / self.sample)
-        return means(np.clip(self.given.force, -limit, limit), count) + acting.clipped * self.hidden
+        """Return the forces that act, but for their delay (n,) [N]."""
+        return self.record.force + acting.clipped * self.hidden
 
     @cached_property
     def clipped(self) -> Array:
@@ -392,11 +387,6 @@ class Piece:
             if np.sum(equal[1:] & equal[:-1]) > FEWEST and side * end > 0.0:
                 result[equal] = side
         return means(result, round(self.step / self.sample))
-
-    def above(self, limit: float) -> Array:
-        """Return shares of the samples whose force is above a limit, with its sign (n,)."""
-        force = self.given.force
-        return means(np.sign(force) * (np.abs(force) > limit), round(self.step / self.sample))
 
     @property
     def _fewer(self) -> float:
@@ -456,14 +446,6 @@ class Piece:
     def velocity(self) -> Array:
         """Velocities (n,) [m/s]."""
         return velocity_of(self.record, self.filters[MIDDLE], self.wider)
-
-    @cached_property
-    def highest_frequency(self) -> float:
-        """Frequency up to which nearly all power of the changes of velocity lies [Hz]."""
-        changes = self.velocity - np.mean(self.velocity)
-        power = np.abs(np.fft.rfft(changes * np.hanning(len(changes)))) ** 2
-        share = np.cumsum(power) / (np.sum(power) + 1e-300)
-        return float(np.searchsorted(share, POWER)) / (len(changes) * self.step)
 
     @cached_property
     def acceleration(self) -> Array:

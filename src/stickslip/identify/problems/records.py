@@ -27,7 +27,6 @@ from stickslip.identify.laws import (
 )
 from stickslip.identify.own_laws import Slips, is_own, is_slope
 from stickslip.identify.posterior import (
-    COEFFICIENT,
     Array,
     Column,
     Draws,
@@ -36,8 +35,6 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.record_columns import (
-    BESIDE_MODE,
-    COSINES,
     FORCE,
     LEVELS,
     LUGRE,
@@ -97,10 +94,7 @@ FINDINGS: Mapping[str, str] = {
     "drift": "drift over the record",
     "place": "level that changes with the place",
     "force": "force that changes with the place or in time",
-    "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
-    "zone": "dead zone of the drive",
-    "flexible": "mass on a spring",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -112,8 +106,6 @@ GIVEN: Mapping[str, str] = {
 MISTAKEN = 1.0
 """Size of what is given wrong from which it is a mistake: its prior is that of the last two sizes,
 of five careful experimenters in hundred."""
-BENT = 0.3
-"""Part of a force by place that is not in proportion to it, up to which it is called a spring."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -142,8 +134,6 @@ class RecordProblem(Problem):
         Largest cutoff [Hz].
     timed : bool
         Whether it is known how forces run between samples.
-    force_recorded : bool
-        Whether forces were recorded, not those of a drive that the mechanism has.
     """
 
     records: Sequence[Record]
@@ -155,7 +145,6 @@ class RecordProblem(Problem):
     turning: bool = False
     highest: float = math.inf
     timed: bool = False
-    force_recorded: bool = True
 
     def __post_init__(self) -> None:
         known = None
@@ -744,7 +733,7 @@ class RecordProblem(Problem):
             if name in self.model.names and not (name == "force" and self._one_way)
         ]
         result += [self._delay(draws)] if "delay" in self.model.names else []
-        result += self._given(draws) + self._limit(draws) + self._clipped()
+        result += self._given(draws) + self._clipped()
         inputs = [*self.model.frame.inputs]
         result += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
         for name in inputs if len(self.model.frame.sides) > 1 else ():
@@ -766,16 +755,6 @@ class RecordProblem(Problem):
             result.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
         if len(self.model.frame.sides) == 1 and not balance.measured:
             result += self._unused()
-        if (
-            self.force_recorded
-            and not balance.measured
-            and self._spread_of_dead_zone() > NEGLIGIBLE
-        ):
-            result.append(
-                "A dead zone of the drive, a part of the force that is recorded and does not act,"
-                " cannot be distinguished from the level of friction, which is stated without one:"
-                " a record with added mass or larger accelerations would separate the two."
-            )
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             alike, them = ("", "it") if len(names) == 1 else (" together", "them")
@@ -804,24 +783,6 @@ class RecordProblem(Problem):
             )
         return result[:1]
 
-    def _spread_of_dead_zone(self) -> float:
-        """Return the deviation of a dead zone of the drive over friction, were one sought.
-
-        It takes the force with its sign, beside the best law and all that is always there.
-        """
-        model, node = self.model, self.posterior.best
-        if "zone" not in model.names:
-            return math.inf if model.balance.driven else 0.0
-        groups, system = model.design(*model.key(node)).groups, model.system(node, model.columns)
-        zone, law = int(np.argmax(groups == "zone")), self.posterior.law_at(node)
-        at = [k for k in range(len(groups)) if k != zone]
-        at += [len(groups) + model.columns.index(item) for item in law]
-        sizes = np.append(system.deviations, np.full(len(model.columns), COEFFICIENT))[at]
-        moment = sizes * system.gram[at, zone]
-        gram = sizes[:, None] * system.gram[np.ix_(at, at)] * sizes + np.eye(len(at))
-        told = system.gram[zone, zone] - moment @ np.linalg.solve(gram, moment)
-        return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
-
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little.
 
@@ -829,8 +790,7 @@ class RecordProblem(Problem):
         interval, what is out of it on one side counts twice.
         """
         model, rows = self.model, self.model.balance.rows(MIDDLE)
-        alike = {"force": ("spring",), "drift": ("place", "force") * self._one_way}.get(name, ())
-        of = [x for x in (name, *alike) if x in model.names]
+        of = (name, *(("place", "force") if name == "drift" and self._one_way else ()))
         nodes = zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True)
         likely = sum(w for node, w in nodes if any(model.at(node, x) >= NEGLIGIBLE for x in of))
         frame, waves = model.frame, model.balance.waves
@@ -840,15 +800,11 @@ class RecordProblem(Problem):
             "place": frame.places(rows.position, waves[1]),
             "force": model.balance.forces(rows.position),
         }
-        if name == "relaxing":
-            columns[name] = model.balance.fixed(MIDDLE)[name]
         changes, apart = [], []
         for draw in draws:
             b = model.split(draw.node, draw.random)[name]
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
-            elif name in ("zone", "flexible"):
-                changes.append(b[0] if name == "zone" else self._on_spring(draw)[0] * self.size)
             elif name == "drift":
                 apart.append(self._in_time(draw, b, columns))
                 changes.append(np.diff(apart[-1], axis=0)[0])
@@ -903,63 +859,12 @@ class RecordProblem(Problem):
         if name == "run":
             runs = self.model.balance.runs
             return f"The {runs} runs differ by {share_text(size)} of friction (standard deviation)."
-        if name == "relaxing":
-            return (
-                "The recorded force contains a part that lags the motion, as that of a hose or a"
-                f" cable does ({percent(size)} of friction, standard deviation)."
-            )
-        if name == "zone":
-            part = quantity(size * self.size, unit, 2)
-            return (
-                f"In both directions, {part} of the recorded force does not reach the body: a dead"
-                " zone of the drive, or friction ahead of the sensor."
-            )
-        if name == "flexible":
-            drawn = np.hstack([self._on_spring(draw) for draw in draws])
-            frequency, mass = np.median([drawn[1], drawn[0] * drawn[2]], axis=1)
-            part = quantity(float(mass), "kg m^2" if self.turning else "kg", 2)
-            return (
-                "Part of the inertia is on a spring, as behind a belt or a shaft. The record agrees"
-                f" with {part} that swings with {quantity(float(frequency), 'Hz', 2)} where its"
-                " other end rests; more of it on a stiffer spring would move nearly so."
-            )
         what = {
             "place": "The level of friction depends on position",
             "force": "The recorded force contains a part that depends on position or time, such as"
             " gravity or cogging",
         }[name]
-        spring = self._spring(draws) if name == "force" and self.model.balance.pulled else ""
-        return f"{what} ({share_text(size)} of friction, standard deviation){spring}."
-
-    def _on_spring(self, draw: Draws) -> Array:
-        """Return what share of the inertia is on a spring, its frequency, and the inertia (3, k).
-
-        The frequency is linear in its coefficient, as its column is.
-        """
-        mode, b = self.model.balance.mode, self.model.split(draw.node, draw.random)
-        assert mode is not None
-        inertia = b["inertia"][0] if "inertia" in b else np.full(draw.random.shape[1], mode.inertia)
-        mass, shift = b["flexible"][:2]
-        shift = 10.0 * BESIDE_MODE[0, 0] * shift / np.where(mass == 0.0, np.inf, mass)
-        share = np.minimum(mass * mode.inertia / np.maximum(np.abs(inertia), 1e-300), 1.0)
-        return np.stack([share, mode.frequency * np.maximum(1.0 + shift, 0.0), inertia])
-
-    def _spring(self, draws: Sequence[Draws]) -> str:
-        """Return what to add of a force beside friction that is nearly that of a spring."""
-        balance, rows = self.model.balance, self.model.balance.rows(MIDDLE)
-        position = rows.position - np.mean(rows.position)
-        columns = balance.forces(rows.position)
-        parts = [columns @ self.model.split(x.node, x.random)["force"] for x in draws]
-        force = np.hstack([x - np.mean(x, axis=0) for x in parts])
-        waves = columns[:, COSINES : COSINES + 2 * len(balance.waves[0])]  # cogging is no spring
-        beside = np.column_stack([position, waves - np.mean(waves, axis=0)])
-        stiffness = np.linalg.lstsq(beside, force, rcond=None)[0][0]
-        bent = np.sum((force - np.outer(position, stiffness)) ** 2, axis=0)
-        if float(np.median(bent / np.sum(force**2, axis=0))) > BENT**2:
-            return ""
-        unit = "N m/rad" if self.turning else "N/m"
-        k, low, high = (quantity(x, "", 3) for x in np.quantile(stiffness, (0.5, 0.025, 0.975)))
-        return f", as that of a spring of {k} {unit} ({low} to {high}) does"
+        return f"{what} ({share_text(size)} of friction, standard deviation)."
 
     def _change_with(self, name: str, draws: Sequence[Draws]) -> Array:
         """Return the change of friction over two deviations of an input, over its size (k,)."""
@@ -1019,21 +924,6 @@ class RecordProblem(Problem):
             what += ", or the gain of the force or a unit of length is wrong."
             result.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
         return result
-
-    def _limit(self, draws: Sequence[Draws]) -> list[Finding]:
-        """Return from which force on no more of what was recorded acts, if there is one."""
-        model, unit = self.model, "N m" if self.turning else "N"
-        split = [(model.acting(x.node).limit, model.split(x.node, x.random)) for x in draws]
-        limited = [limit - own["limit"][0] for limit, own in split if math.isfinite(limit)]
-        if not limited:
-            return []
-        limits = np.concatenate(limited)
-        shares = self.posterior.scale("acting")[np.isfinite([x.limit for x in model.actings])]
-        likely = min(float(shares.sum()), 1.0)
-        low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
-        what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
-        what = f"{what}: the drive saturates."
-        return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
 
     def _clipped(self) -> list[Finding]:
         """Return how often the sensor of the force shows as much as it can, if more acts then."""
