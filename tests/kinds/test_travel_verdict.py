@@ -82,7 +82,10 @@ def test_a_band_holds_the_travel_at_settings_that_were_not_measured(law, seed):
     laws = ["coulomb", "viscous", "coulomb-viscous", "stribeck", "power-viscous"]
     verdict = select(BLOCK, laws, readings(law, seed=seed))
     inside, beyond = [0.055, 0.068, 0.08, 0.1], [0.04, 0.13, 0.15]
-    for settings, widest in ((inside, 0.01), (beyond, 0.2)):
+    assert verdict.explained  # by the law that made the readings
+    # 99 % of six such records are 0.15 to 0.23 m wide at 0.15 m, where the travel is 0.99 m: that a
+    # curve which is no law may bend by 0.3 over a factor of e is most of it
+    for settings, widest in ((inside, 0.01), (beyond, 0.25)):
         band = verdict.band(settings, level=0.99)
         true = np.array([travel(law, x) for x in settings])
         assert np.all((band.low <= true) & (true <= band.high))
