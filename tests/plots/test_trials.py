@@ -37,7 +37,7 @@ def drawn(draw, narrow=False):
 def test_trials_are_coloured_from_blue_to_orange_by_a_number():
     found = comparison(*({"temperature [degC]": t} for t in (20.0, 40.0, 60.0)))
     level, viscous, curves = drawn(draw_trials(found))
-    assert level.get_title(loc="left") == r"$\mu_{\mathrm{k}}$, N"
+    assert level.get_title(loc="left") == r"$F_{\mathrm{c}}$, N"
     assert level.get_xlabel() == "temperature, °C"
     assert viscous.get_title(loc="left") == r"$\sigma_{\mathrm{2}}$, N s/m"
     colours = [line.get_color() for line in curves.get_lines()]
