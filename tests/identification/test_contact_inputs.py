@@ -59,6 +59,7 @@ def holds(found, name, value):
     return estimate.low <= value <= estimate.high and estimate.high - estimate.low < 0.5 * value
 
 
+@pytest.mark.slow
 def test_a_temperature_column_beside_measured_friction_is_a_covariate_of_the_law():
     record = Measurement(
         time=T, position=X, friction=friction(WARMING), load=2.0, inputs={"temperature": WARMING}
@@ -90,6 +91,7 @@ def test_conditions_of_trials_are_inputs():
     assert holds(fit(TABLE, WARM, Measurement(trials=trials)), "viscous_temperature_decay", 0.03)
 
 
+@pytest.mark.slow
 def test_a_constant_input_is_said_and_its_parameter_gets_no_interval():
     record = Measurement(
         time=T, position=X, friction=friction(30.0), load=2.0, inputs={"temperature": 30.0}
@@ -209,6 +211,7 @@ def warming():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_hold_of_a_force_is_told_beside_friction_that_warms(warming):
     found = fit(Axis(inertia=5.0, stiffness=30.0), WARM, warming)
     assert holds(found, "viscous_temperature_decay", 0.025)
@@ -260,6 +263,7 @@ def warm_arm():
     return arm, record, temperature
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shared", [True, False])
 def test_joints_share_the_temperature_of_their_record_or_have_their_own(warm_arm, shared):
     arm, record, temperature = warm_arm

@@ -66,6 +66,7 @@ def runs_of(found):
     return found.judgement.problem.following
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     quick(CASES, "stroke"),  # the tests below have the others
@@ -121,6 +122,7 @@ def test_what_is_inside_begins_where_the_record_says():
         fitted(mechanism, replace(seen, initial={"x": 0.1, **start}))
 
 
+@pytest.mark.slow
 def test_a_start_of_what_is_inside_that_nobody_states_is_unknown():
     mechanism, length, rate, noise = CASES["kicks"]
     found = fitted(
@@ -172,6 +174,7 @@ def test_runs_tell_friction_of_an_axis_that_drives_itself_beside_a_constant_forc
     assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("force", "seed"), [(2.4, 2), (2.2, 3)])
 def test_a_level_at_rest_that_is_higher_leaves_the_kinetic_one_where_it_is(force, seed):
     """The axis rests most of the time, so that breaking away decides where it slips."""
@@ -205,6 +208,7 @@ def test_a_stiffness_that_is_not_as_given_is_named_and_moves_no_friction():
     assert "the stiffness at 1.09 times what was given" in finding.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.rounding
 def test_constants_that_do_the_same_are_not_named():
     """A swing tells the cart's mass, the ball's and the length by their ratio alone."""
@@ -218,6 +222,7 @@ def test_constants_that_do_the_same_are_not_named():
     assert not any(item.asserted for item in found.verdict.findings)
 
 
+@pytest.mark.slow
 def test_one_law_of_a_selection_is_its_fit():
     mechanism, length, rate, noise = CASES["stroke"]
     seen = record(mechanism, length, rate, noise)
@@ -240,6 +245,7 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
         fit(wild, Coulomb, seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_velocities_with_much_noise_leave_the_level_where_it_is(seed):
     """The prior of a level has the size of friction under the load."""

@@ -28,6 +28,8 @@ from stickslip.identify.problems import driven_runs
 from stickslip.identify.problems.driven_runs import DrivenProblem, followed
 from stickslip.mechanisms.drives import Sampled
 
+pytestmark = pytest.mark.slow
+
 HELD = RecordSettings(hold="zero")
 
 

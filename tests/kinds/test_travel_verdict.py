@@ -309,6 +309,7 @@ def test_draws_meet_the_readings_that_they_were_drawn_by(viscous):
     assert np.array_equal(first, again)  # nothing is left to chance
 
 
+@pytest.mark.slow
 def test_proposals_of_a_law_are_simulated_once_for_any_number_of_draws(monkeypatch):
     judgement = driven(Coulomb(kinetic_coefficient=0.2)).judgement
     few = judgement.drawn("coulomb", 40)
@@ -395,6 +396,7 @@ def driven(law):
     return select(capsule(8.0), ["coulomb"], films(FILMED, law), t_end=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [
@@ -422,6 +424,7 @@ def test_the_band_of_a_driven_body_has_the_error_that_its_laws_leave(law):
     assert len(verdict.settings) > 50
 
 
+@pytest.mark.slow
 def test_repeats_of_a_setting_say_nothing_of_the_error_at_others():
     law, rig = CoulombViscous(kinetic_coefficient=0.18, viscous_coefficient=0.5), capsule(8.0)
     alone = driven(law).judgement
