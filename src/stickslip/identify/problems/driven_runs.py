@@ -414,7 +414,7 @@ class DrivenRuns:
     def _known(self) -> _WithPrior:
         """The runs with what was given of the mechanism, for a deviation of 1."""
         given = np.array([self.given.get(item.path, 1.0) for item in self.items])
-        late = [[(item.path == DELAY) / self.late[-1] for item in self.items]] * bool(self.late)
+        late = [[(item.path == DELAY) / size for item in self.items] for size in self.late[-1:]]
         rows = np.array(late).reshape(-1, len(given))
         return _WithPrior(runs=self.runs, given=given, sizes=self.sizes, rows=rows, deviation=1.0)
 
