@@ -181,8 +181,15 @@ def servo():
 @pytest.mark.slow
 def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
     found = fit(SERVO, GEAR, servo)
-    for name in ("transmitted_coefficient", "kinetic_coefficient", "viscous_coefficient"):
+    for name in ("transmitted_coefficient", "viscous_coefficient"):
         assert holds(found, name, getattr(TRUE_GEAR, name))
+    for name in GEAR.fit_order:
+        own = found.estimate(name)
+        assert own.low <= getattr(TRUE_GEAR, name) <= own.high
+    # the two slow strokes each way do not tell how far friction falls: a level may be below any
+    level = found.estimate("kinetic_coefficient")
+    assert level.value == pytest.approx(TRUE_GEAR.kinetic_coefficient, rel=0.05)
+    assert level.high < 1.1 * TRUE_GEAR.kinetic_coefficient
 
 
 @pytest.mark.slow
@@ -352,12 +359,15 @@ def test_the_torques_that_the_gears_of_an_arm_transmit_are_inputs_of_its_joints(
     for contact, true in laws.items():
         for name in ("transmitted_coefficient", "kinetic_coefficient", "viscous_coefficient"):
             (estimate,) = [e for e in found.estimates if e.path == f"friction.{contact}.{name}"]
-            # half of a 95 % interval, twice; some 3 % of the value for what grows with the torque
+            # half of a 95 % interval, twice; some 3 % of the value for what grows with the torque,
+            # beside which a level is a quarter of friction, and known to a quarter as well
             assert abs(estimate.value - getattr(true, name)) < estimate.high - estimate.low
-            assert estimate.high - estimate.low < 0.1 * estimate.value
+            widest = 0.15 if name == "kinetic_coefficient" else 0.05
+            assert estimate.high - estimate.low < widest * estimate.value
     plain = fit(bare, dict.fromkeys(laws, "coulomb-viscous"), record)
-    for joint in laws:
-        assert found.score(record).joints[joint].rms < 0.5 * plain.score(record).joints[joint].rms
+    for joint in laws:  # what laws leave of friction, over what is allowed
+        own, other = (x.joints[joint].judgement.named.excess for x in (found, plain))
+        assert own < 0.5 * other
 
 
 @pytest.mark.slow
@@ -375,4 +385,6 @@ def test_a_torque_that_a_gear_transmits_changes_with_a_mass_that_is_fitted(gears
         (estimate,) = [e for e in found.estimates if e.path == path]
         assert abs(estimate.value - true) < estimate.high - estimate.low < 0.1 * true
     other = fit(bare, kinds, record, vary=asked)
-    assert other.values == pytest.approx(found.values, rel=1e-5)  # of two ends of searches
+    # of two ends of searches, to a tenth of an interval
+    for one, again in zip(found.estimates, other.estimates, strict=True):
+        assert again.value == pytest.approx(one.value, abs=0.1 * (one.high - one.low))
