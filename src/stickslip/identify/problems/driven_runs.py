@@ -497,8 +497,13 @@ class DrivenRuns:
         of_rig = [item for item in self.items if item.path in self.given]
         own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
         own += [
-            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value)
-            for part, of_part in (("level", level), ("gear", gear))
+            FreeParameter(
+                path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value, size=size
+            )
+            for part, of_part, size in (
+                ("level", level, beside.size),
+                ("gear", gear, beside.size / (beside.transmitted or 1.0)),
+            )
             for k, c in enumerate(of_part)
         ]
         runs = replace(self.runs.starting_from(self.seen), law=curve)
