@@ -217,6 +217,7 @@ def test_a_stiffness_that_is_not_as_given_is_named_and_moves_no_friction():
     assert "the stiffness at 1.09 times what was given" in finding.sentence
 
 
+@pytest.mark.rounding
 def test_constants_that_do_the_same_are_not_named():
     """A swing tells the cart's mass, the ball's and the length by their ratio alone."""
     mechanism, length, rate, noise = CASES["swing"]

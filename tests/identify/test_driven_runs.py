@@ -231,6 +231,7 @@ def test_segments_that_are_too_short_tell_no_noise(verdict):
 RESISTANCE = "mechanism.drive.resistance"
 
 
+@pytest.mark.rounding
 def test_an_input_that_stays_is_known_to_a_law_of_any_form(servo):
     law = CoulombViscous(kinetic_coefficient=0.04, viscous_coefficient=0.03 * np.exp(-0.6))
     record = servos.recorded(replace(servo, law=law))

@@ -151,8 +151,9 @@ MAY_VANISH = ("N/m", "N s/m", "N s^2/m^2", "s/m", "1", "N", "m")
 def _number(rng: Random, name: str, kind: type, size: Sizes, known: Mapping[str, Any]) -> float:
     """Return a value for a declared quantity."""
     quantity = fields_of(kind)[name]
-    if 0.5 < quantity.high <= 1.0:
-        return rng.choice((0.0 if quantity.above is None else 0.1, 0.5, quantity.high))
+    if 0.0 < quantity.high <= 1.0:
+        least = 0.0 if quantity.above is None else 0.1
+        return quantity.high * rng.choice((least, 0.5, 1.0))
     if quantity.unit == "m/s^2":
         return 9.81
     value = size.draw(rng, quantity.unit, 3.0 if quantity.unit in ("m/s", "1/m", "s/m") else 0.7)

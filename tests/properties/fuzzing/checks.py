@@ -409,9 +409,12 @@ def has_the_friction_of_its_law(e: Evidence) -> Found:
         wrong[i] = abs(friction[i] - expected[0]) > ROUNDED * e.force + rounding
         if wrong[i]:
             blur = e.within_the_clock(i) + e.rounding_of(e.case.mechanism.rates)
-            sides = v + blur * np.array([-1.0, 1.0])
+            sides = v + 2.0 * blur * np.array([-1.0, 1.0])
             expected += [_by_law(e, i, float(side), load, 1) for side in sides]
-            wrong[i] = not min(expected) <= friction[i] <= max(expected)
+            # a branch of the law lasts to where its end is located, up to the blur beyond a kink,
+            # and rises on by no more than it does in as much before the kink
+            beyond = max(expected) - min(expected)
+            wrong[i] = not min(expected) - beyond <= friction[i] <= max(expected) + beyond
     if wrong.any():
         yield f"friction is not that of the law, {e.first(wrong)}"
 
