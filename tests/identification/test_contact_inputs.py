@@ -103,29 +103,32 @@ def test_a_constant_input_is_said_and_its_parameter_gets_no_interval():
     assert found.estimate("kinetic_coefficient").bounded
 
 
+def test_bristles_that_change_with_a_temperature_are_refused():
+    record = Measurement(
+        time=T, position=X, friction=friction(WARMING), load=2.0, inputs={"temperature": WARMING}
+    )
+    with pytest.raises(InputError, match=r"beside exponential\[temperature\]: fit Dahl or LuGre"):
+        fit(TABLE, law("dahl(level * exponential[temperature])"), record)
+
+
 @pytest.mark.slow
-def test_bristles_are_integrated_along_their_inputs():
-    kind = law("dahl(level * exponential[temperature])")
-    decay = next(name for name in kind.__dataclass_fields__ if name.endswith("_decay"))
-    true = kind(kinetic_coefficient=0.5, bristle_stiffness=50.0, **{decay: 0.03})
-    z, forces, parts = 0.0, [], 40
-    for k, t in enumerate(T):
-        here = bound(true, {"temperature": WARMING[k]})
-        forces.append(here.force(V[k], 2.0, (z,)))
-        for part in range(parts):  # explicit midpoints, 0.5 ms apart: presliding takes 10 mm
+def test_bristles_are_followed_where_the_temperature_stays():
+    kind = law("dahl(level)")
+    true = kind(kinetic_coefficient=0.5, bristle_stiffness=50.0)
+    z, forces, parts = 0.0, [], 10
+    for t, v in zip(T, V, strict=True):
+        forces.append(true.force(v, 2.0, (z,)))
+        for part in range(parts):  # explicit midpoints, 2 ms apart: presliding takes 10 mm
             at = t + 0.02 * (part + 0.5) / parts
-            v = 0.6 * np.cos(1.3 * at) + 0.3 * np.cos(2.9 * at)
-            told = bound(true, {"temperature": 20.0 + 0.5 * at})
+            here = 0.6 * np.cos(1.3 * at) + 0.3 * np.cos(2.9 * at)
             h = 0.02 / parts
-            middle = z + 0.5 * h * told.rates(v, 2.0, (z,))[0]
-            z += h * told.rates(v, 2.0, (middle,))[0]
+            middle = z + 0.5 * h * true.rates(here, 2.0, (z,))[0]
+            z += h * true.rates(here, 2.0, (middle,))[0]
     record = Measurement(
         time=T, position=X, friction=np.array(forces) + noise(0.005), load=2.0,
-        inputs={"temperature": WARMING},
+        inputs={"temperature": 30.0},
     )  # fmt: skip
-    found = fit(TABLE, kind, record)
-    assert holds(found, decay, 0.03)
-    assert holds(found, "bristle_stiffness", 50.0)
+    assert holds(fit(TABLE, kind, record), "bristle_stiffness", 50.0)
 
 
 def test_a_missing_input_is_one_error_with_law_input_and_columns():
