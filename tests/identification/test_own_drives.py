@@ -76,7 +76,8 @@ def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name)
     found = fitted(mechanism, record(mechanism, length, rate, noise))
     level = found.estimate("kinetic_coefficient")
     assert level.low <= 0.18 <= level.high  # 95 %: seeds are fixed
-    assert level.high - level.low < 0.02
+    # a swing tells masses and length, which may not be as given, by their ratio alone
+    assert level.high - level.low < (0.03 if name == "swing" else 0.02)
     # nothing but the sensor's noise is left, within the scatter of a few hundred rows
     assert runs_of(found).error == pytest.approx(noise, rel=0.15)
 
@@ -138,14 +139,21 @@ def test_a_start_of_what_is_inside_that_nobody_states_is_unknown():
 def test_trials_with_other_drives_are_fitted_together():
     mechanism, _, rate, noise = CASES["kicks"]
     path = "mechanism.drive.drive.period"
-    parts = []
-    for seed, period in enumerate((0.3, 0.45), 2):
-        own = replace(mechanism, drive=Torque(drive=replace(KICKS, period=period)))
-        parts.append(replace(record(own, 2.0, rate, noise, seed=seed), overrides={path: period}))
-    found = fitted(mechanism, Measurement(trials=tuple(parts)))
-    level = found.estimate("kinetic_coefficient")
-    assert level.low <= 0.18 <= level.high
-    assert runs_of(found).error == pytest.approx(noise, rel=0.15)
+    held = []
+    for seeds in ((2, 3), (4, 5), (6, 7)):
+        parts = []
+        for seed, period in zip(seeds, (0.3, 0.45), strict=True):
+            own = replace(mechanism, drive=Torque(drive=replace(KICKS, period=period)))
+            seen = record(own, 2.0, rate, noise, seed=seed)
+            parts.append(replace(seen, overrides={path: period}))
+        found = fitted(mechanism, Measurement(trials=tuple(parts)))
+        level = found.estimate("kinetic_coefficient")
+        held.append(level.low <= 0.18 <= level.high)
+        assert level.value == pytest.approx(0.18, abs=0.005)
+        assert level.high - level.low < 0.006
+        assert runs_of(found).error == pytest.approx(noise, rel=0.15)
+    # of three intervals of 95 % one misses in one of seven, two in one of 140
+    assert sum(held) >= 2
 
 
 @pytest.mark.slow
@@ -154,8 +162,12 @@ def test_a_number_of_the_drive_may_be_looked_for_too():
     seen = record(mechanism, length, rate, noise)
     wrong = replace(mechanism, drive=Torque(drive=replace(KICKS, high=5.0)))
     found = fitted(wrong, seen, "high")
-    assert found.estimate("high").low <= 6.0 <= found.estimate("high").high
-    assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
+    push, level = found.estimate("high"), found.estimate("kinetic_coefficient")
+    assert push.low <= 6.0 <= push.high
+    assert push.high - push.low < 0.2
+    # wider than with the push known: a harder one against more friction goes as far
+    assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.02
 
 
 SHAKEN = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)

@@ -965,8 +965,8 @@ class TravelKind(SimulatedKind):
         judgement: TravelJudgement = fit.problem.judgement
         left, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
         is_far = judgement.misfit
-        if fit.problem.alone and judgement.stated and not judgement.explained:
-            left = max(left, fit.family.rms)  # of one law that was chosen, not what a curve leaves
+        if judgement.stated and not judgement.explained:
+            left = max(left, fit.family.rms)  # of the law that is closest, not what a curve leaves
             is_far = left > THRESHOLDS.misfit * stated
         if is_far:
             return (

@@ -494,7 +494,9 @@ class TravelJudgement:
         ratio = math.sqrt(float(top.losses.mean() / max(curve.losses.mean(), 1e-300)))
         curves = np.array([not s.linear.name for s in self.solved])
         better = gain > THRESHOLDS.errors and ratio > THRESHOLDS.no_law_ratio
-        return not (float(self.raw_shares[curves].sum()) > THRESHOLDS.no_law and better)
+        left = min(float(np.mean(s.left**2)) for s in self.solved if s.linear.name)
+        far = self.stated and math.sqrt(left) > THRESHOLDS.misfit
+        return not (float(self.raw_shares[curves].sum()) > THRESHOLDS.no_law and (better or far))
 
     def law_of(self, name: str) -> TravelLaw:
         """Return a law by name."""
