@@ -11,7 +11,7 @@ import functools
 import importlib
 import io
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, cast
@@ -203,7 +203,7 @@ def unknowns_of(task: Task, fit: Fit[Any]) -> FreeParameters:
     items = []
     for estimate in fit.estimates:
         start, quantity = starts.get(estimate.path, 0.0), estimate.quantity
-        far = WIDE * max(abs(start), 1e-3)
+        far = WIDE * abs(start) or math.inf  # 0 tells no size
         items.append(
             FreeParameter(
                 path=estimate.path, quantity=quantity, start=start,
@@ -240,9 +240,33 @@ class Regression:
                 result = [j for j, name in enumerate(self.rows.names) if path.endswith(f".{name}")]
                 self.constants[path] = np.isin(self.rows.joint, result or [0])
 
+    def _bases(self) -> Iterator[tuple[int, int]]:
+        """Yield which unknowns are at least which others: sought is how far they are above."""
+        for i, item in enumerate(self.unknown.items):
+            base = f"{item.path.rpartition('.')[0]}.{item.quantity.at_least}"
+            if base in self.unknown.paths:
+                yield i, self.unknown.paths.index(base)
+
+    def values(self, coordinates: Array) -> Array:
+        """Return the values (p,) of unknowns at coordinates."""
+        result = np.array(self.unknown.values(coordinates), dtype=float)
+        for i, base in self._bases():
+            result[i] += result[base]
+        return result
+
+    def begun(self) -> tuple[Array, tuple[Array, Array]]:
+        """Return coordinates to begin at, inside their limits."""
+        low, high = (np.array(limit, dtype=float) for limit in self.unknown.limits())
+        start = np.array(self.unknown.coordinates(self.unknown.start), dtype=float)
+        for i, base in self._bases():
+            start[i], low[i] = start[i] - start[base], 0.0
+        room = np.where(np.isfinite(high - low), high - low, 1.0)
+        # Optimisers refuse a start on a limit.
+        return np.clip(start, low + STEP * room, high - STEP * room), (low, high)
+
     def __call__(self, coordinates: Array) -> Array:
         """Return the predicted force (n,)."""
-        values = dict(zip(self.unknown.paths, self.unknown.values(coordinates), strict=True))
+        values = dict(zip(self.unknown.paths, self.values(coordinates), strict=True))
         rows = self.rows
         if self.motor:
             # The inertia of a motor's axis is that of its rotor.
@@ -269,14 +293,13 @@ class Regression:
 
     def found(self, coordinates: Array, covariance: Array | None, note: str) -> Found:
         """Return the values at coordinates, with intervals by what the coordinates' errors do."""
-        values = np.asarray(self.unknown.values(coordinates))
-        halves = {}
+        values, halves = self.values(coordinates), {}
         if covariance is not None and np.all(np.isfinite(covariance)):
             slopes = []
             for i, at in enumerate(coordinates):
                 moved = coordinates.copy()
                 moved[i] += STEP * max(abs(at), STEP)
-                slopes.append((np.asarray(self.unknown.values(moved)) - values) / (moved[i] - at))
+                slopes.append((self.values(moved) - values) / (moved[i] - at))
             # Intervals of parameters by first-order propagation of those of coordinates.
             table = np.array(slopes).T
             errors = np.sqrt(np.diag(table @ covariance @ table.T))
@@ -288,7 +311,7 @@ def _by_scipy(task: Task, record: Measurement, fit: Fit[Any]) -> Found:
     from scipy.optimize import curve_fit
 
     model = Regression(task, record, fit)
-    start, limits = _begun(model)
+    start, limits = model.begun()
 
     def predicted(_: Array, *coordinates: float) -> Array:
         return model(np.array(coordinates))
@@ -308,20 +331,10 @@ def _of_rows(model: Regression) -> str:
     return f"{len(model.rows.force):,} rows that slip; {WHITE}"
 
 
-def _begun(model: Regression) -> tuple[Array, tuple[Array, Array]]:
-    """Return coordinates to begin at, inside their limits."""
-    low, high = (np.asarray(limit, dtype=float) for limit in model.unknown.limits())
-    start = np.asarray(model.unknown.coordinates(model.unknown.start), dtype=float)
-    room = np.where(np.isfinite(high - low), high - low, 1.0)
-    # Optimisers refuse a start on a limit.
-    inside = np.clip(start, low + STEP * room, high - STEP * room)
-    return inside, (low, high)
-
-
 def _by_lmfit(task: Task, record: Measurement, fit: Fit[Any]) -> Found:
     lmfit = _library("lmfit")
     model = Regression(task, record, fit)
-    start, (low, high) = _begun(model)
+    start, (low, high) = model.begun()
     unknown = lmfit.Parameters()
     for i, value in enumerate(start):
         unknown.add(f"p{i}", value=value, min=low[i], max=high[i])

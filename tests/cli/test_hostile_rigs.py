@@ -232,3 +232,9 @@ def test_a_record_shorter_than_a_natural_period_has_no_features(run, field, valu
     text = changed(FEATURES, ("mechanism", field), value)
     code, _, err = run(text, "select", "--laws", "coulomb")
     assert (code, "one natural period or more" in err) == (2, True)
+
+
+def test_a_block_without_load_has_no_features(run):
+    code, out, err = run(changed(FEATURES, ("mechanism", "load"), 0), "select")
+    assert (code, out) == (2, "")
+    assert "TowedBlock.load (N) must be above 0 N, got 0" in err

@@ -241,6 +241,22 @@ def test_the_report_shows_what_was_read():
     verdict = select(CAPSULE, [Coulomb], readings("mean_velocity", speeds, 1e-3), t_end=END)
     (table,) = trials_section(verdict).blocks
     assert all("m/s" in str(row.cells) for row in table.rows)
+    # an exact law predicts what it was made with
+    np.testing.assert_allclose(verdict.compared()["measured"], [*speeds.values()], rtol=1e-12)
+    np.testing.assert_allclose(verdict.compared()["predicted"], [*speeds.values()], rtol=1e-6)
+
+
+def test_mean_velocities_beside_travels_are_shown_as_travels():
+    ways = {period: way(period, END) for period in (0.3, 0.4, 0.5)}
+    speeds = readings("mean_velocity", {0.3: ways.pop(0.3) / END}, 1e-3)
+    both = Measurement(trials=(*speeds.trials, *readings("travel", ways, 3e-3).trials))
+    verdict = select(CAPSULE, [Coulomb], both, t_end=END)
+    expected = [way(period, END) for period in (0.3, 0.4, 0.5)]
+    np.testing.assert_allclose(verdict.compared()["measured"], expected, rtol=1e-12)
+    drawing = verdict.drawing()
+    assert drawing.names[1] == "travel"
+    drawn = np.interp(0.4, drawing.speeds, drawing.law)
+    assert drawn == pytest.approx(way(0.4, END), rel=0.05)
 
 
 SLOPE = replace(BLOCK, incline=-0.1)

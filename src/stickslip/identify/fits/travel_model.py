@@ -94,6 +94,11 @@ class Trial:
         return quantity(travel / self.scale, QUANTITIES[self.quantity].unit)
 
     @property
+    def averaged(self) -> bool:
+        """Whether it is shown as a mean velocity: that was read, or its run ends with a cycle."""
+        return self.cycles is not None or self.quantity == "mean_velocity"
+
+    @property
     def setting(self) -> Hashable:
         """What the experimenter set: trials of one setting are repeats."""
         return self.mechanism, frozenset(self.initial.items())
@@ -266,7 +271,7 @@ def under_cycles(trials: Sequence[Trial]) -> bool:
 
 
 def durations(trials: Sequence[Trial], t_end: float) -> Array:
-    """Return how long runs last that end with a cycle of their drive (n,) [s]; 1 of all others.
+    """Return how long runs last if all are shown by mean velocities (n,) [s]; 1 of others.
 
     Examples
     --------
@@ -275,7 +280,8 @@ def durations(trials: Sequence[Trial], t_end: float) -> Array:
     >>> durations([trial], 10.0)
     array([1.])
     """
-    return np.array([1.0 if trial.cycles is None else trial.until(t_end) for trial in trials])
+    averaged = all(trial.averaged for trial in trials)
+    return np.array([trial.until(t_end) if averaged else 1.0 for trial in trials])
 
 
 @dataclass

@@ -153,8 +153,8 @@ def what_of(trials: Sequence[Trial]) -> tuple[str, str]:
     >>> what_of([Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)])
     ('travel', 'm')
     """
-    cyclic = any(trial.cycles is not None for trial in trials)
-    return ("mean velocity", "m/s") if cyclic else ("travel", "m")
+    averaged = all(trial.averaged for trial in trials)
+    return ("mean velocity", "m/s") if averaged else ("travel", "m")
 
 
 class JudgedTravels(Readable):
@@ -650,7 +650,8 @@ class TravelVerdict(SimulatedVerdict):
     def compared(self) -> "pd.DataFrame":
         """Return what was measured in each trial, and what the named law predicts.
 
-        Of runs that end with a cycle of the drive it is the mean velocity, else the travel.
+        It is the mean velocity where that was read or runs end with a cycle of the drive, else the
+        travel.
 
         Returns
         -------
@@ -1064,7 +1065,7 @@ class TravelKind(SimulatedKind):
 
     def comparison(self, verdict: Any) -> Comparison:
         laws = super().comparison(verdict)
-        if not any(trial.cycles is not None for trial in verdict.trials):
+        if not all(trial.averaged for trial in verdict.trials):
             return laws
         return replace(laws, notes=[*laws.notes, *_trial_lines(verdict)])
 

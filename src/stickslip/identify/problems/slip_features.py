@@ -451,6 +451,11 @@ def towed(mechanism: Mechanism) -> TowedBlock:
         raise InputError(
             f"features of stick-slip need a TowedBlock with a speed above 0 m/s, got {mechanism!r}."
         )
+    if not mechanism.steady_load > 0.0:
+        raise InputError(
+            "TowedBlock.load (N) must be above 0 N, got 0: features of stick-slip compare a force"
+            " with the load. Give the load of the block."
+        )
     return mechanism
 
 

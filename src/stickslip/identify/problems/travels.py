@@ -231,7 +231,8 @@ class TravelJudgement:
                 "the trials differ in more than one parameter of the mechanism, and it has none"
                 " that is usually set: there is no band over a setting."
             )
-        first, path = self.trials[0], self.knob[0]
+        path = self.knob[0]
+        first = next((one for one in self.trials if not one.averaged), self.trials[0])
         rigs = [vary(self.mechanism, "mechanism", {path: float(x)}) for x in settings]
         return [
             replace(first, mechanism=rig,
