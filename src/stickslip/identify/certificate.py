@@ -9,7 +9,7 @@ A balance may explain the forces of a record, and yet not make its motion: it ne
    Of asserted findings a delay shifts the recorded force, an inertia or forces that are not as
    given have their factor, and a force by place is taken off u where it was measured.
 2. **Run.** Stretches of `CONSTANTS` time constants J / (f / v), of friction over speed in the mean,
-   begin at smoothed measured states and are run together by the compiled engine, u having its mean
+   and of a mean period of the motion at most, begin at smoothed measured states and are run together by the compiled engine, u having its mean
    in each of at most `STEPS` steps. The error is e = sqrt(median mse / median var): of the simulated
    position, over the variance of the measured one in a stretch. A free motion is run whole, from
    the start that follows it best.
@@ -37,12 +37,14 @@ from scipy.optimize import lsq_linear
 from stickslip.engine.solver import EventDriven, IncrementalEnsemble
 from stickslip.errors import StickslipError
 from stickslip.friction import CoulombViscous, FrictionLaw
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.judgement import Judgement
+from stickslip.identify.laws import drawn_curve
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.driven_runs import DrivenProblem
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import KNOTS, Candidate, Runs, begun
-from stickslip.identify.problems.record_rows import MIDDLE, Piece
+from stickslip.identify.problems.record_rows import MIDDLE, Piece, mean_frequency
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.projection import names_of
 from stickslip.mechanisms import Axis, Mechanism, as_rotary, given_inputs
@@ -72,6 +74,8 @@ QUANTILE = 0.95
 BEATEN = 1.25
 """Error over that of plain friction, and over that expected, from which plain is better."""
 SOLVER = EventDriven(tier="compiled")
+NOT_RUN = "The law was not run with the recorded force: {}"
+"""Why there is no certificate."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,14 +108,22 @@ class RunCertificate(metaclass=Described):
     """Length of a stretch that was run [s]; of a free motion all of it."""
     stretches: tuple[Stretch, ...] = field(repr=False, compare=False)
     """What was run."""
+    motion: tuple[tuple[Array, Array], ...] = field(repr=False, compare=False)
+    """Times [s] and smoothed positions [m] or [rad] of each piece of the records."""
     is_whole: bool = False
     """Whether a free motion was run whole."""
+
+    @property
+    def typical(self) -> Stretch:
+        """A stretch whose run is neither among the best nor among the worst."""
+        squares = [float(np.mean((x.simulated - x.measured) ** 2)) for x in self.stretches]
+        return self.stretches[int(np.argsort(squares)[len(squares) // 2])]
 
     @property
     def is_beaten(self) -> bool:
         """Whether Coulomb + viscous friction follows better, beyond the doubt of the run."""
         known = max(self.plain_error, np.nan_to_num(self.expected_error))
-        return self.run_error > BEATEN * known
+        return bool(self.run_error > BEATEN * known)
 
     @property
     def warning(self) -> str:
@@ -161,10 +173,8 @@ def error_text(error: float) -> str:
     return percent(error) if error <= 1.0 else "more than 100 %"
 
 
-def certificate_of(
-    judgement: Judgement, mechanism: Mechanism, law: FrictionLaw
-) -> RunCertificate | str | None:
-    """Return the certificate of a law and a mechanism that a judgement hands over.
+def certificate_of(judgement: Judgement, mechanism: Mechanism) -> RunCertificate | str | None:
+    """Return the certificate of the law of a judgement and of a mechanism handed over.
 
     Or why there is none; None where nothing was moved by a force: friction itself was measured.
     """
@@ -175,10 +185,12 @@ def certificate_of(
         problem = problem.plain
     if not isinstance(problem, RecordProblem) or problem.records[0].friction:
         return None
+    if TRANSMITTED in _law(judgement).inputs:
+        return NOT_RUN.format("friction depends on what the gear transmits, which no axis tells.")
     try:
-        return _of_record(judgement, problem, mechanism, law)
+        return _of_record(_Reduced(judgement, problem, mechanism))
     except (StickslipError, ArithmeticError, ValueError) as error:
-        return f"The law was not run with the recorded force: {error}"
+        return NOT_RUN.format(error)
 
 
 # ---- records with a force ---------------------------------------------------------------------
@@ -314,11 +326,12 @@ class _Reduced:
 
     def cuts(self, constant: float) -> list[_Cut]:
         """Return stretches of so many time constants [s] in which the body moves."""
-        result = []
+        result, longest = [], CONSTANTS * constant
+        longest = min(longest, 1.0 / (mean_frequency(self.problem.records) + 1e-300))
         for k, piece in enumerate(self.pieces):
             count = len(piece.record.time) - 1
             most = max(count // PARTS_OF_RECORD, min(FEWEST_STEPS, count))
-            length = int(np.clip(CONSTANTS * constant / piece.step, min(FEWEST_STEPS, most), most))
+            length = int(np.clip(longest / piece.step, min(FEWEST_STEPS, most), most))
             every = max(1, math.ceil(length / STEPS))
             steps = length // every
             starts = range(0, count - every * steps + 1, every * steps)
@@ -399,13 +412,18 @@ def _error(simulated: Sequence[Array], measured: Sequence[Array]) -> float:
     return math.sqrt(float(np.median(np.nan_to_num(squares, nan=math.inf))) / (spread + 1e-300))
 
 
-def _of_record(
-    judgement: Judgement, problem: RecordProblem, mechanism: Mechanism, law: FrictionLaw
-) -> RunCertificate | str:
-    """Return the certificate of records with a force; or why there is none."""
-    reduced = _Reduced(judgement, problem, mechanism)
-    values, level, viscous = reduced.plain
-    load = judgement.composition.normal()
+def _law(judgement: Judgement) -> FrictionLaw:
+    """Return the law handed over; one through levels with these as numbers, compiled once."""
+    composed, sliding, own = judgement.handed_over(judgement.named)
+    if own is None and not composed.memory:
+        return drawn_curve(sliding, composed.normal())
+    return composed.through(sliding) if own is None else own
+
+
+def _of_record(reduced: _Reduced) -> RunCertificate:
+    """Return the certificate of records with a force."""
+    law, (values, level, viscous) = _law(reduced.judgement), reduced.plain
+    load = reduced.judgement.composition.normal()
     own_law = CoulombViscous(kinetic_coefficient=level / load, viscous_coefficient=viscous / load)
     plain = reduced.member(own_law, values, found=False)
     speed = float(np.mean(np.abs(np.concatenate([x.velocity for x in reduced.pieces]))))
@@ -424,6 +442,10 @@ def _of_record(
         friction_work=_work(reduced, handed),
         duration=float(np.median([t[-1] - t[0] for t in steps])),
         stretches=tuple(Stretch(time=t, measured=y, simulated=x, plain=z) for t, y, x, z in each),
+        motion=tuple(
+            (piece.record.time, x)
+            for piece, x in zip(reduced.pieces, reduced.position, strict=True)
+        ),
     )
 
 
@@ -431,19 +453,19 @@ def _expected(reduced: _Reduced, law: FrictionLaw, cuts: Sequence[_Cut]) -> floa
     """Return a quantile of the errors that the posterior expects; NaN without draws of the law."""
     rng, named = np.random.default_rng(1), reduced.judgement.named_values
     terms = {path for path, _, _ in parameters(law, "friction")}
-    if not named or any(path.startswith("friction.") and path not in terms for path in named):
-        return math.nan  # a law through levels has no parameters of its own
-    every = len(next(iter(named.values())))
-    draws = np.unique(np.linspace(0, every - 1, DRAWS).astype(int)).tolist()
+    if any(path.startswith("friction.") and path not in terms for path in named):
+        return math.nan  # a law through levels has none of the named one's parameters
+    every = max(map(np.size, named.values()), default=0)
+    draws = np.linspace(0, max(every - 1, 0), DRAWS).astype(int).tolist()
     few = [cuts[k] for k in np.unique(np.linspace(0, len(cuts) - 1, FEW).astype(int))]
     starts, noise = reduced.starts(few), reduced.start_noise(few)
     handed, members = reduced.handed, [reduced.member(law, reduced.handed)]
     for k in draws:
         own = {path: float(np.broadcast_to(x, every)[k]) for path, x in named.items()}
         with contextlib.suppress(StickslipError):  # a value out of its range
-            drawn = vary(law, "friction", {path: x for path, x in own.items() if path in terms})
+            inner = {path: x for path, x in own.items() if path in terms}
             moved = {path: x for path, x in own.items() if path in handed}
-            members.append(reduced.member(drawn, handed | moved))
+            members.append(reduced.member(vary(law, "friction", inner), handed | moved))
     if len(members) < DRAWS // 2:
         return math.nan
     off = [0.0 * noise] + [noise * rng.normal(size=noise.shape) for _ in members[1:]]
@@ -473,7 +495,7 @@ def _work(reduced: _Reduced, handed: _Member) -> float:
         push = reduced.push(piece, reduced.handed, found=True)
         taken += float(np.sum(curve * v)) * piece.step
         supplied += float(np.sum(push * v)) * piece.step - 0.5 * inertia * (v[-1] ** 2 - v[0] ** 2)
-    return taken / supplied if supplied > 0.0 else math.nan
+    return float(taken / supplied) if supplied > 0.0 else math.nan
 
 
 # ---- free motions -----------------------------------------------------------------------------
@@ -493,7 +515,7 @@ def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCert
     spread = math.sqrt(float(np.mean(np.concatenate([x - np.mean(x) for x in values]) ** 2)))
     left = [_left(problem, own) for own in (named, usual)]
     if left[0] is None:
-        return "The law was not run: no run of it follows the motion."
+        return "A run of the law does not follow the motion."
     ends = np.cumsum([len(x) for x in values])[:-1]
     parts = [np.full(len(np.concatenate(values)), np.nan) if x is None else x for x in left]
     errors = [float(np.nan_to_num(np.sqrt(np.mean(x**2)), nan=np.inf)) / spread for x in parts]
@@ -509,6 +531,7 @@ def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCert
                     plain=item.values - z)
             for item, x, z in each
         ),
+        motion=tuple((item.time, item.values) for item in motion.motions),
         is_whole=True,
     )  # fmt: skip
 

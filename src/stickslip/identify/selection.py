@@ -21,6 +21,7 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.identify.bands import Array, Foreseen
+from stickslip.identify.certificate import certificate_of
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import (
     Hold,
@@ -538,7 +539,7 @@ def record_verdict(
         next_.append(again_sentence(*bands, widths, problem.runs, words.force_unit))
     elif second is None and widths:
         next_.append(NO_RECORDS)
-    return ladder_verdict(
+    verdict = ladder_verdict(
         judgement,
         mechanism,
         measurement,
@@ -554,6 +555,22 @@ def record_verdict(
         foreseen=None if other is None else foreseer(other),
         remarks=said,
     )
+    return certified(verdict)
+
+
+def certified(verdict: BandVerdict) -> BandVerdict:
+    """Return a verdict with a run of what it hands over, and what is to be said of that."""
+    seen, words = certificate_of(verdict.judgement, verdict.mechanism), verdict.words
+    if seen is None:
+        return verdict
+    if isinstance(seen, str):
+        return replace(verdict, words=replace(words, cannot_tell=(*words.cannot_tell, seen)))
+    said = replace(
+        words,
+        verdict=" ".join(filter(None, (seen.warning, words.verdict))),
+        settles=(str(seen), *words.settles),
+    )
+    return replace(verdict, certificate=seen, words=said)
 
 
 def run_sentences(

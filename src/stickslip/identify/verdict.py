@@ -22,6 +22,7 @@ from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
+from stickslip.identify.certificate import RunCertificate
 from stickslip.identify.fits import (
     Estimate,
     estimates_for,
@@ -198,6 +199,9 @@ class BandVerdict(Verdict[LawCandidate]):
     """Velocities that are proposed [m/s] or [rad/s]."""
     conditions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Loads [N] and inputs of the contact [SI] at these, by name, where several were measured."""
+    certificate: RunCertificate | None = None
+    """How closely a run of law and mechanism follows the measured motion; None without a motion
+    that a known force drives, such as of a table."""
 
     @property
     def route(self) -> str:
@@ -450,6 +454,9 @@ class BandVerdict(Verdict[LawCandidate]):
         """
         return self.judgement.sampled(count, seed)
 
+    def _notes(self) -> Sequence[str]:
+        return [str(self.certificate)] if self.certificate else []
+
     def _details(self) -> Mapping[str, Any]:
         return {
             "explained": self.explained,
@@ -466,6 +473,7 @@ class BandVerdict(Verdict[LawCandidate]):
                 **{name: list(values) for name, values in self.conditions.items()},
                 "band_shrinks_to": self.shrinks,
             },
+            "certificate": self.certificate and self.certificate.to_dict(),
             "inside_second": None if self.foreseen is None else self.inside,
             "error_second": None if self.foreseen is None else self.foreseen.error,
         }
