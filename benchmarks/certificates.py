@@ -55,9 +55,10 @@ def line(name: str, verdict: BandVerdict, seconds: float) -> tuple[str, float]:
     ratio = seen.run_error / seen.plain_error
     asserted = ", ".join(item.term for item in verdict.findings if item.asserted)
     return (
-        f"{name} run {seen.run_error:.4f}, plain {seen.plain_error:.4f}, ratio {ratio:.2f}, expected"
-        f" {seen.expected_error:.4f}, work {seen.friction_work:.3f}, over {seen.duration:.3g} s,"
-        f" {seconds:.1f} s | {verdict.closest.title} | {asserted}{' | BEATEN' * seen.is_beaten}"
+        f"{name} run {seen.run_error:.4f}, plain {seen.plain_error:.4f}, ratio {ratio:.2f},"
+        f" expected {seen.expected_error:.4f}, work {seen.friction_work:.3f},"
+        f" over {seen.duration:.3g} s, {seconds:.1f} s | {verdict.closest.title} |"
+        f" {asserted}{' | BEATEN' * seen.is_beaten}"
     ), ratio
 
 
@@ -69,8 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for text, ratio in lines(parser.parse_args(arguments).only):
         print(text, flush=True)
         ratios += [ratio] * math.isfinite(ratio)
-    print(f"{len(ratios)} runs: over plain {np.median(ratios or [math.nan]):.2f} in the median, above"
-          f" 1 on {sum(x > 1.0 for x in ratios)}")  # fmt: skip
+    middle = np.median(ratios or [math.nan])
+    print(f"{len(ratios)} runs: over plain {middle:.2f} in the median, above 1 on"
+          f" {sum(x > 1.0 for x in ratios)}")  # fmt: skip
 
 
 if __name__ == "__main__":

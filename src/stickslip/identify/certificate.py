@@ -1,34 +1,33 @@
 r"""The certificate of a verdict on a motion: what is handed over, run by the engine, and its work.
 
-A balance may explain the forces of a record, and yet not make its motion: it never runs. So
+A balance may explain the forces of a record and yet not make its motion: it never runs. So
 
-1. **Reduced motion.** Along the record, J dv/dt = u(t) - k x - c v - f(v): f is the handed-over law,
-   J its inertia, k and c spring and damper of an axis, and u the recorded force with all other known
-   forces of the mechanism along the measured motion, less the constant force that was found. Of
-   several joints, those that the motion of the others takes are among them.
-   Of asserted findings a delay shifts the recorded force, an inertia or forces that are not as
-   given have their factor, and a force by place is taken off u where it was measured.
+1. **Reduced motion.** Along the record, J dv/dt = u(t) - k x - c v - f(v): f is the law handed
+   over, J its inertia, k and c spring and damper of an axis, and u the recorded force with all
+   other known forces along the measured motion, less the constant force that was found. Of several
+   joints, what the motion of the others takes is among them. Of asserted findings a delay shifts
+   the recorded force, what is not as given has its factor, and a force by place is taken off u.
 2. **Run.** Stretches of `CONSTANTS` time constants J / (f / v), of friction over speed in the mean,
-   and of a mean period of the motion at most, begin at smoothed measured states and are run together by the compiled engine, u having its mean
-   in each of at most `STEPS` steps. The error is e = sqrt(median mse / median var): of the simulated
-   position, over the variance of the measured one in a stretch. A free motion is run whole, from
-   the start that follows it best.
+   and of a mean period of the motion at most, begin at smoothed measured states. The compiled
+   engine runs them together, u having its mean in each of at most `STEPS` steps. The error is
+   sqrt(median mse / median var), of the simulated position over the variance of the measured one
+   in a stretch. A free motion is run whole, from the start by which it is followed best.
 3. **Plain.** The same with Coulomb + viscous friction, and with what is looked for of the
    mechanism, by least squares on the rows of the balance: what anybody has in five lines.
 4. **Expected.** `DRAWS` laws of the posterior, each with its mechanism and a start that is off by
-   the noise of the smoothed states, are run over some stretches. Their distance from the run of
-   what is handed over is the error that a right posterior leaves, of which a quantile is stated.
+   the noise of the smoothed states, are run over some stretches. Their distance from their mean is
+   the error that a right posterior leaves, of which a quantile is stated.
 5. **Work.** What the law takes along the measured motion, over what u puts in less the change of
    kinetic energy: 1 where friction is all that takes energy.
 
-Source: simulation error as a check of prediction-error estimates, L. Ljung, "System Identification",
-2nd ed. (1999), section 16.6.
+Source: runs as a check of estimates from one-step errors, L. Ljung, "System Identification", 2nd
+ed. (1999), section 16.6.
 """
 
 import contextlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -43,7 +42,7 @@ from stickslip.identify.laws import drawn_curve
 from stickslip.identify.posterior import Array
 from stickslip.identify.problems.driven_runs import DrivenProblem
 from stickslip.identify.problems.free_motion import FreeMotionProblem
-from stickslip.identify.problems.free_runs import KNOTS, Candidate, Runs, begun
+from stickslip.identify.problems.free_runs import KNOTS, Candidate, begun
 from stickslip.identify.problems.record_rows import MIDDLE, Piece, mean_frequency
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.projection import names_of
@@ -64,7 +63,7 @@ PARTS_OF_RECORD = 5
 STRETCHES = 25
 """Most stretches that are run."""
 STIRS = 0.1
-"""Spread of the position in a stretch, over the largest of all, below which the body rests there."""
+"""Spread of the position in a stretch, over the largest of all, below which the body rests."""
 DRAWS = 20
 """Laws that are drawn."""
 FEW = 6
@@ -185,9 +184,9 @@ def certificate_of(judgement: Judgement, mechanism: Mechanism) -> RunCertificate
         problem = problem.plain
     if not isinstance(problem, RecordProblem) or problem.records[0].friction:
         return None
-    if TRANSMITTED in _law(judgement).inputs:
-        return NOT_RUN.format("friction depends on what the gear transmits, which no axis tells.")
     try:
+        if TRANSMITTED in _law(judgement).inputs:
+            return NOT_RUN.format("friction depends on what the gear transmits.")
         return _of_record(_Reduced(judgement, problem, mechanism))
     except (StickslipError, ArithmeticError, ValueError) as error:
         return NOT_RUN.format(error)
@@ -200,7 +199,9 @@ def certificate_of(judgement: Judgement, mechanism: Mechanism) -> RunCertificate
 class _Member:
     """A law, an axis, and what drives it in each piece."""
 
-    axis: Axis
+    axis: Mechanism
+    inertia: float
+    load: float
     law: FrictionLaw
     pushes: Sequence[Array]
     """Forces of each piece (n,) [N]."""
@@ -218,12 +219,13 @@ class _Cut:
 
     def of(self, x: Array) -> Array:
         """Return values at the ends of steps (steps + 1,)."""
-        return x[self.first : self.first + self.every * self.steps + 1 : self.every]
+        return np.asarray(x[self.first : self.first + self.every * self.steps + 1 : self.every])
 
     def means(self, x: Array) -> Array:
         """Return means of a signal that is straight between samples, in the steps (steps,)."""
         own = x[self.first : self.first + self.every * self.steps + 1]
-        return np.mean(np.reshape(0.5 * (own[1:] + own[:-1]), (self.steps, self.every)), axis=1)
+        each = np.reshape(0.5 * (own[1:] + own[:-1]), (self.steps, self.every))
+        return np.asarray(np.mean(each, axis=1))
 
 
 class _Reduced:
@@ -259,19 +261,22 @@ class _Reduced:
         inertia *= self.factor if found else 1.0
         spring = values.get("mechanism.stiffness", self.spring) if self.spring else 0.0
         damper = values.get("mechanism.damping", self.damper) if self.damper else 0.0
-        axis = Axis(
+        load = self.judgement.composition.normal()
+        axis: Mechanism = Axis(
             inertia=abs(inertia), stiffness=spring, damping=damper,
-            load=self.judgement.composition.normal(), drive=Sampled(times=(0.0,), values=(0.0,)),
+            load=load, drive=Sampled(times=(0.0,), values=(0.0,)),
         )  # fmt: skip
         axis = as_rotary(axis) if self.problem.turning else axis
         if law.inputs:
             axis = given_inputs(axis, self.problem.usual_inputs)
-        forces = self.forces_by_place if found and self.by_place else [0.0] * len(self.pieces)
+        forces = [0.0 * x for x in self.position]
+        if found and self.by_place:
+            forces = self.forces_by_place
         pushes = [
             self.push(piece, values, found=found) + spring * x + damper * piece.velocity - by_place
             for piece, x, by_place in zip(self.pieces, self.position, forces, strict=True)
         ]
-        return _Member(axis=axis, law=law, pushes=pushes)
+        return _Member(axis=axis, inertia=abs(inertia), load=load, law=law, pushes=pushes)
 
     def push(self, piece: Piece, values: Mapping[str, float], *, found: bool) -> Array:
         """Return all known forces (n,) [N] but those of acceleration and friction."""
@@ -371,7 +376,7 @@ def _bristle(law: FrictionLaw, speed: float, load: float) -> float:
     stiffness = getattr(law, "bristle_stiffness", None)
     if not stiffness or not speed:
         return 0.0
-    return float(law.steady(speed, load)) / (stiffness * load)  # type: ignore[attr-defined]
+    return float(law.steady(speed, load)) / (float(stiffness) * load)
 
 
 def _run(
@@ -389,7 +394,7 @@ def _run(
     for m, (member, own) in enumerate(zip(members, starts, strict=True)):
         at = np.arange(m * len(cuts), (m + 1) * len(cuts))
         states = np.zeros((len(cuts), runs.states.shape[1]))
-        states[:, :2], load = own, float(member.axis.load)
+        states[:, :2], load = own, member.load
         if states.shape[1] > 2:
             states[:, 2] = [_bristle(member.law, v, load) for v in own[:, 1].tolist()]
         runs.begin(at, states, member.axis, member.law)
@@ -428,7 +433,7 @@ def _of_record(reduced: _Reduced) -> RunCertificate:
     plain = reduced.member(own_law, values, found=False)
     speed = float(np.mean(np.abs(np.concatenate([x.velocity for x in reduced.pieces]))))
     slope = viscous + level / (speed + 1e-300)
-    cuts = reduced.cuts(plain.axis.inertia / (slope + 1e-300))
+    cuts = reduced.cuts(plain.inertia / (slope + 1e-300))
     handed = reduced.member(law, reduced.handed)
     starts, measured = reduced.starts(cuts), reduced.measured(cuts)
     (simulated,) = _run(reduced, [handed], cuts, [starts])
@@ -459,7 +464,7 @@ def _expected(reduced: _Reduced, law: FrictionLaw, cuts: Sequence[_Cut]) -> floa
     draws = np.linspace(0, max(every - 1, 0), DRAWS).astype(int).tolist()
     few = [cuts[k] for k in np.unique(np.linspace(0, len(cuts) - 1, FEW).astype(int))]
     starts, noise = reduced.starts(few), reduced.start_noise(few)
-    handed, members = reduced.handed, [reduced.member(law, reduced.handed)]
+    handed, members = reduced.handed, list[_Member]()
     for k in draws:
         own = {path: float(np.broadcast_to(x, every)[k]) for path, x in named.items()}
         with contextlib.suppress(StickslipError):  # a value out of its range
@@ -468,26 +473,22 @@ def _expected(reduced: _Reduced, law: FrictionLaw, cuts: Sequence[_Cut]) -> floa
             members.append(reduced.member(vary(law, "friction", inner), handed | moved))
     if len(members) < DRAWS // 2:
         return math.nan
-    off = [0.0 * noise] + [noise * rng.normal(size=noise.shape) for _ in members[1:]]
-    middle, *drawn_runs = _run(reduced, members, few, [starts + x for x in off])
-    measured = reduced.measured(few)
-    spread = float(np.median([np.var(y) for y in measured])) + 1e-300
-    squares = [
-        np.median([np.mean((x - y) ** 2) for x, y in zip(own, middle, strict=True)])
-        for own in drawn_runs
-    ]
+    off = [starts + noise * rng.normal(size=noise.shape) for _ in members]
+    each = [np.array(x) for x in zip(*_run(reduced, members, few, off), strict=True)]
+    squares = np.median([np.mean((x - np.mean(x, axis=0)) ** 2, axis=1) for x in each], axis=0)
+    spread = float(np.median([np.var(y) for y in reduced.measured(few)])) + 1e-300
     return float(np.sqrt(np.quantile(np.nan_to_num(squares, nan=math.inf), QUANTILE) / spread))
 
 
 def _work(reduced: _Reduced, handed: _Member) -> float:
     """Return the share of the work that the named law takes along the measured motion."""
     judgement, taken, supplied = reduced.judgement, 0.0, 0.0
-    rung, inertia = judgement.named, float(handed.axis.inertia)
+    rung, inertia = judgement.named, handed.inertia
     if not rung.structure:
         return 0.0
     names = names_of(rung.structure)
     offset = rung.coefficients[names.index("offset")] if reduced.has_offset else 0.0
-    for piece, x in zip(reduced.pieces, reduced.position, strict=True):
+    for piece in reduced.pieces:
         record, v = piece.record, piece.velocity
         seen = np.where(v == 0.0, 1e-300, v)
         rows = reduced.problem.at(seen, record.load, record.inputs or None)
@@ -537,7 +538,7 @@ def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCert
 
 
 def _left(problem: FreeMotionProblem, law: Candidate) -> Array | None:
-    """Return what runs of a law leave of the readings (n,), from the best starts; None if they fail.
+    """Return what runs of a law leave of the readings (n,), from the best starts; None if all fail.
 
     What no balance sees of the mechanism begins as it is handed over.
     """
