@@ -6,6 +6,7 @@ from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import PredictionBand as PredictionBand
 from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.candidates import Wording as Wording
+from stickslip.identify.certificate import RunCertificate as RunCertificate
 from stickslip.identify.criteria import Criteria as Criteria
 from stickslip.identify.criteria import FixedStepRow as FixedStepRow
 from stickslip.identify.criteria import compare_fixed_steps as compare_fixed_steps
@@ -75,6 +76,7 @@ __all__ = [
     "LawFit",
     "Plan",
     "PredictionBand",
+    "RunCertificate",
     "SimulatedFit",
     "SimulatedVerdict",
     "TravelFit",

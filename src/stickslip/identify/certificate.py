@@ -6,7 +6,8 @@ A balance may explain the forces of a record and yet not make its motion: it nev
    over, J its inertia, k and c spring and damper of an axis, and u the recorded force with all
    other known forces along the measured motion, less the constant force that was found. Of several
    joints, what the motion of the others takes is among them. Of asserted findings a delay shifts
-   the recorded force, what is not as given has its factor, and a force by place is taken off u.
+   the recorded force (a delay by sampling always does), what is not as given has its factor, and a
+   force by place is taken off u.
 2. **Run.** Stretches of `CONSTANTS` time constants J / (f / v), of friction over speed in the mean,
    and of a mean period of the motion at most, begin at smoothed measured states. The compiled
    engine runs them together, u having its mean in each of at most `STEPS` steps. The error is
@@ -72,6 +73,10 @@ QUANTILE = 0.95
 """Quantile of the errors of draws that is stated."""
 BEATEN = 1.25
 """Error over that of plain friction, and over that expected, from which plain is better."""
+FOLLOWED = 0.1
+"""Error of a run, over the spread of the motion, up to which it follows."""
+SAMPLING = (-0.5, 1.5)
+"""Samples by which forces act later where their sampling alone decides."""
 SOLVER = EventDriven(tier="compiled")
 NOT_RUN = "The law was not run with the recorded force: {}"
 """Why there is no certificate."""
@@ -120,8 +125,11 @@ class RunCertificate(metaclass=Described):
 
     @property
     def is_beaten(self) -> bool:
-        """Whether Coulomb + viscous friction follows better, beyond the doubt of the run."""
-        known = max(self.plain_error, np.nan_to_num(self.expected_error))
+        """Whether Coulomb + viscous friction follows better, beyond the doubt of the run.
+
+        A doubt of more than `FOLLOWED` excuses no run: what is simulated with it is wrong.
+        """
+        known = max(self.plain_error, min(np.nan_to_num(self.expected_error), FOLLOWED))
         return bool(self.run_error > BEATEN * known)
 
     @property
@@ -239,11 +247,28 @@ class _Reduced:
         self.known = {path: float(x) for path, _, x in parameters(mechanism, "mechanism")}
         self.has_offset = "offset" in names_of(judgement.named.structure) and not judgement.offset
         asserted = {x.term: x.size for x in judgement.findings if x.asserted and not x.is_mistake}
-        self.late, self.by_place = asserted.get("delay", 0.0), "force" in asserted
+        self.by_place, self.late = "force" in asserted, self._late("delay" in asserted)
         self.factor = 1.0 + asserted.get("inertia_given", 0.0)
         self.gain = 1.0 + asserted.get("mechanism_given", asserted.get("body_given", 0.0))
         own = mechanism if isinstance(mechanism, Axis) else None
         self.spring, self.damper = (own.stiffness, own.damping) if own else (0.0, 0.0)
+
+    def _late(self, asserted: bool) -> float:
+        """Return how much later than recorded forces act, those between samples as straight [s].
+
+        They may hold until the next sample, or be filtered as the motion is not: a delay within
+        `SAMPLING` samples is none of the mechanism, and needs no assertion.
+        """
+        first, late = self.pieces[0], self.plain_late
+        if "delay" in self.problem.model.names:
+            late = float(np.median(self.problem._late(self.judgement.draws)))
+        low, high = SAMPLING[0] * first.sample, SAMPLING[1] * first.sample
+        return late if asserted else min(max(late, low), high)
+
+    @property
+    def plain_late(self) -> float:
+        """The same as least squares have it [s]."""
+        return self.balance.acting.delay + self.pieces[0].held
 
     def member(
         self, law: FrictionLaw, values: Mapping[str, float], *, found: bool = True
@@ -281,8 +306,9 @@ class _Reduced:
     def push(self, piece: Piece, values: Mapping[str, float], *, found: bool) -> Array:
         """Return all known forces (n,) [N] but those of acceleration and friction."""
         record, result = piece.record, piece.record.force
-        if found and self.late:
-            result = np.interp(record.time - self.late, record.time, result)
+        late = self.late if found else self.plain_late
+        if late:
+            result = np.interp(record.time - late, record.time, result)
         if record.mechanism is not None:
             result = result + (self.gain if found else 1.0) * record.mechanism
         for path, item in record.unknown.items():

@@ -733,6 +733,7 @@ class TravelVerdict(SimulatedVerdict):
             "odds_of_friction": None,
             "outliers": {},
             "measure_at": {"setting": list(self.places), "band_shrinks_to": self.shrinks},
+            "certificate": None,
             "inside_second": None,
             "error_second": None,
         }  # fmt: skip
