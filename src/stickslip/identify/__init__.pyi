@@ -4,9 +4,9 @@ from stickslip.identify import kinds as kinds
 from stickslip.identify.bands import Foreseen as Foreseen
 from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import PredictionBand as PredictionBand
+from stickslip.identify.bands import RunCertificate as RunCertificate
 from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.candidates import Wording as Wording
-from stickslip.identify.certificate import RunCertificate as RunCertificate
 from stickslip.identify.criteria import Criteria as Criteria
 from stickslip.identify.criteria import FixedStepRow as FixedStepRow
 from stickslip.identify.criteria import compare_fixed_steps as compare_fixed_steps

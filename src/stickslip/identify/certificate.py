@@ -28,8 +28,7 @@ ed. (1999), section 16.6.
 import contextlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -37,6 +36,7 @@ from scipy.optimize import lsq_linear
 from stickslip.engine.solver import EventDriven, IncrementalEnsemble
 from stickslip.errors import StickslipError
 from stickslip.friction import CoulombViscous, FrictionLaw
+from stickslip.identify.bands import RunCertificate, Stretch
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.laws import drawn_curve
@@ -50,8 +50,6 @@ from stickslip.identify.projection import names_of
 from stickslip.mechanisms import Axis, Mechanism, as_rotary, given_inputs
 from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import parameters, vary
-from stickslip.show.described import Described
-from stickslip.show.formatting import percent, quantity
 
 CONSTANTS = 5.0
 """Time constants of friction in a stretch."""
@@ -71,113 +69,11 @@ FEW = 6
 """Stretches of each."""
 QUANTILE = 0.95
 """Quantile of the errors of draws that is stated."""
-BEATEN = 1.25
-"""Error over that of plain friction, and over that expected, from which plain is better."""
-FOLLOWED = 0.1
-"""Error of a run, over the spread of the motion, up to which it follows."""
 SAMPLING = (-0.5, 1.5)
 """Samples by which forces act later where their sampling alone decides."""
 SOLVER = EventDriven(tier="compiled")
 NOT_RUN = "The law was not run with the recorded force: {}"
 """Why there is no certificate."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Stretch:
-    """A part of the record that was run."""
-
-    time: Array
-    """Times (n,) [s]."""
-    measured: Array
-    """Measured and smoothed positions (n,) [m] or [rad]; velocities where none were measured."""
-    simulated: Array
-    """The same with the law and mechanism handed over (n,)."""
-    plain: Array
-    """The same with Coulomb + viscous friction by least squares (n,)."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunCertificate(metaclass=Described):
-    """How closely a run of the law and mechanism of a verdict follows the measured motion."""
-
-    run_error: float
-    """Error of the run, over the spread of the position in a stretch [1]; infinite if it fails."""
-    plain_error: float
-    """The same of Coulomb + viscous friction by least squares [1]."""
-    expected_error: float
-    """95 % quantile of the error that the posterior expects [1]; NaN without draws."""
-    friction_work: float
-    """Share of the work that the named friction takes [1]: 1 where only friction takes energy."""
-    duration: float
-    """Length of a stretch that was run [s]; of a free motion all of it."""
-    stretches: tuple[Stretch, ...] = field(repr=False, compare=False)
-    """What was run."""
-    motion: tuple[tuple[Array, Array], ...] = field(repr=False, compare=False)
-    """Times [s] and smoothed positions [m] or [rad] of each piece of the records."""
-    is_whole: bool = False
-    """Whether a free motion was run whole."""
-
-    @property
-    def typical(self) -> Stretch:
-        """A stretch whose run is neither among the best nor among the worst."""
-        squares = [float(np.mean((x.simulated - x.measured) ** 2)) for x in self.stretches]
-        return self.stretches[int(np.argsort(squares)[len(squares) // 2])]
-
-    @property
-    def is_beaten(self) -> bool:
-        """Whether Coulomb + viscous friction follows better, beyond the doubt of the run.
-
-        A doubt of more than `FOLLOWED` excuses no run: what is simulated with it is wrong.
-        """
-        known = max(self.plain_error, min(np.nan_to_num(self.expected_error), FOLLOWED))
-        return bool(self.run_error > BEATEN * known)
-
-    @property
-    def warning(self) -> str:
-        """What to say first if plain friction follows the motion better; empty if not."""
-        if not self.is_beaten:
-            return ""
-        own = error_text(self.run_error)
-        return (
-            f"! {self._run}, Coulomb + viscous friction by least squares follows the motion better"
-            f" ({error_text(self.plain_error)} of its spread; this law and mechanism {own}): the"
-            " curve holds for the measured force, do not simulate with it."
-        )
-
-    @property
-    def _run(self) -> str:
-        return "Run from its start" if self.is_whole else "Run with the recorded force"
-
-    def __str__(self) -> str:
-        """Return the certificate in a sentence."""
-        work = ""
-        if math.isfinite(self.friction_work):
-            work = f"; friction takes {percent(self.friction_work)} of the work"
-        return (
-            f"{self._run}, this law and mechanism follow the motion to"
-            f" {error_text(self.run_error)} over {quantity(self.duration, 's', 2)} (Coulomb +"
-            f" viscous by least squares: {error_text(self.plain_error)}){work}."
-        )
-
-    def to_dict(self) -> Mapping[str, Any]:
-        """Return the certificate as plain numbers; None for what is not known."""
-        names = ("run_error", "plain_error", "expected_error", "friction_work", "duration")
-        values = {name: float(getattr(self, name)) for name in names}
-        known = {name: x if math.isfinite(x) else None for name, x in values.items()}
-        return {**known, "plain_is_better": bool(self.is_beaten)}
-
-
-def error_text(error: float) -> str:
-    """Return the error of a run, over the spread of the motion.
-
-    Examples
-    --------
-    >>> error_text(0.0142), error_text(2.0), error_text(1e-6)
-    ('1.4 %', 'more than 100 %', 'less than 0.1 %')
-    """
-    if error < 1e-3:
-        return "less than 0.1 %"
-    return percent(error) if error <= 1.0 else "more than 100 %"
 
 
 def certificate_of(judgement: Judgement, mechanism: Mechanism) -> RunCertificate | str | None:

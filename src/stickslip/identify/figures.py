@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.identify.bands import ALIKE, Array, MeasuredPoints, PredictionBand
-from stickslip.identify.certificate import RunCertificate
+from stickslip.identify.bands import ALIKE, Array, MeasuredPoints, PredictionBand, RunCertificate
 from stickslip.show.formatting import number, scale_of
 from stickslip.show.plots import C1, C3, DATA, MAP_SIZES, on_axes
 

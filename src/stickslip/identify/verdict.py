@@ -20,9 +20,8 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
+from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand, RunCertificate
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
-from stickslip.identify.certificate import RunCertificate
 from stickslip.identify.fits import (
     Estimate,
     estimates_for,
