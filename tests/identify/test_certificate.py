@@ -81,12 +81,12 @@ def test_the_mirrored_record_has_the_same_certificate(verdict):
     assert other.duration == pytest.approx(seen.duration)
 
 
-def test_the_terminal_the_notebook_and_the_document_have_the_certificate(verdict, tmp_path):
+def test_the_lede_the_notebook_and_the_document_have_the_certificate(verdict, tmp_path):
     line = str(verdict.certificate)
     assert "this law and mechanism follow the motion to" in line
     assert line in str(verdict)
     assert "least squares" in verdict._repr_html_()
-    assert verdict.words.settles[0] == line
+    assert verdict.words.lede.endswith(line)
     told = json.loads(json.dumps(verdict.to_dict()))
     assert told["certificate"]["run_error"] == verdict.certificate.run_error
     Draft202012Validator(BandVerdict.schema()["properties"]["certificate"]).validate(

@@ -568,7 +568,7 @@ def certified(verdict: BandVerdict) -> BandVerdict:
     said = replace(
         words,
         verdict=" ".join(filter(None, (seen.warning, words.verdict))),
-        settles=(str(seen), *words.settles),
+        lede=f"{words.lede} {seen}",
     )
     return replace(verdict, certificate=seen, words=said)
 
