@@ -565,9 +565,10 @@ def certified(verdict: BandVerdict) -> BandVerdict:
         return verdict
     if isinstance(seen, str):
         return replace(verdict, words=replace(words, cannot_tell=(*words.cannot_tell, seen)))
+    warned = [seen.warning] * (verdict.best is not None and seen.is_beaten)
     said = replace(
         words,
-        verdict=" ".join(filter(None, (seen.warning, words.verdict))),
+        verdict=" ".join((*warned, words.verdict)),
         lede=f"{words.lede} {seen}",
     )
     return replace(verdict, certificate=seen, words=said)
