@@ -143,7 +143,10 @@ class _Reduced:
         self.known = {path: float(x) for path, _, x in parameters(mechanism, "mechanism")}
         self.has_offset = "offset" in names_of(judgement.named.structure) and not judgement.offset
         asserted = {x.term: x.size for x in judgement.findings if x.asserted and not x.is_mistake}
-        self.by_place, self.late = "force" in asserted, self._late("delay" in asserted)
+        # draws of runs are none of the balance
+        self.is_own = judgement.problem is problem
+        self.by_place = "force" in asserted and self.is_own
+        self.late = self._late("delay" in asserted)
         self.factor = 1.0 + asserted.get("inertia_given", 0.0)
         self.gain = 1.0 + asserted.get("mechanism_given", asserted.get("body_given", 0.0))
         own = mechanism if isinstance(mechanism, Axis) else None
@@ -156,7 +159,7 @@ class _Reduced:
         `SAMPLING` samples is none of the mechanism, and needs no assertion.
         """
         first, late = self.pieces[0], self.plain_late
-        if "delay" in self.problem.model.names:
+        if self.is_own and "delay" in self.problem.model.names:
             late = float(np.median(self.problem._late(self.judgement.draws)))
         low, high = SAMPLING[0] * first.sample, SAMPLING[1] * first.sample
         return late if asserted else min(max(late, low), high)
