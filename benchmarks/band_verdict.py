@@ -93,11 +93,8 @@ def judged(rig: Rig) -> "Judged":
 
 ALIKE: Mapping[str, frozenset[str]] = {
     "delay": frozenset({"delay", "lag", "latency", "flexible", "resonance", "backlash", "limit"}),
-    "zone": frozenset({"dead_zone"}),
-    "limit": frozenset({"limit"}),
     "force": frozenset({"force", "spring", "ripple", "offset_drift"}),
     "place": frozenset({"place", "level_ripple"}),
-    "relaxing": frozenset({"hose", "spring"}),
     "temperature": frozenset({"level*temperature", "viscous*temperature"}),
     "inertia_given": frozenset({"inertia_error", "force_gain", "position_scale"}),
     "mechanism_given": frozenset({"mechanism", "force_gain"}),
@@ -128,7 +125,7 @@ class Judged:
             )
             for item in told
         ]
-        self.doubts, self.hidden = False, " ".join(self.verdict.words.cannot_tell)
+        self.doubts = False
 
     def _selected(self, validate: Measurement | None = None) -> Any:
         rig = self.rig
@@ -272,7 +269,7 @@ class Travelled(Judged):
             # coefficients of other powers of the speed are other quantities
             if own.path.endswith("kinetic_coefficient") or judgement.named in (rig.family or ())
         ]
-        self.faults, self.doubts, self.hidden = [], False, ""
+        self.faults, self.doubts = [], False
 
     @override
     def band(self, points: Points, *, all_along: bool = False) -> Any:

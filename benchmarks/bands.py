@@ -93,7 +93,6 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
     told = any(fault.instead & rig.faults for fault in verdict.faults)
     row["found"] = told if rig.faults else None
     row["doubts"] = verdict.doubts
-    row["hidden"] = bool(rig.hidden) and rig.hidden in verdict.hidden
     row["intervals"] = _intervals(rig, verdict)
     if rig.more is not None and rig.curves and rig.asked is not None:
         row |= _advised(rig, verdict, seed)
@@ -222,8 +221,6 @@ def _false(rig: Rig, row: Row) -> Iterator[str]:
             yield f"{item['path']} misses its interval by {item['miss']:.1f} half-widths"
     for kind in row["accused"]:
         yield f"{kind} is named and is not there"
-    if row["hidden"]:  # the verdict says that its band holds without what is hidden
-        return
     wrong = not row.get("right", False) and not row.get("equal", False) and not row["doubts"]
     if row["set"] == 1 and wrong and row.get("error", 0.0) > 1.0 and row["gain"] <= 0.0:
         yield f"{row['named']} stands alone, and is off by {row['error']:.1f} noises"

@@ -458,8 +458,7 @@ def slide(folder: Path) -> None:
     write(folder / "exported.py", EXPORTED)
 
 
-LAW = "--law stickslip-report/law.toml"
-RUN = f"{LAW} -o run.csv"
+RUN = "--law {}-report/law.toml -o run.csv"
 PLAIN = "coulomb,coulomb-viscous"
 CASES: tuple[Case, ...] = (
     Case(
@@ -467,7 +466,7 @@ CASES: tuple[Case, ...] = (
         seconds=30,
         commands=(
             stickslip("select", "demo"),
-            stickslip("simulate", f"simulate demo {RUN} --report"),
+            stickslip("simulate", f"simulate demo {RUN.format('demo')} --report"),
             stickslip("published", "simulate demo --law stribeck --json"),
             stickslip("fit", "fit demo --law coulomb-viscous --json -o fitted.toml"),
         ),
@@ -478,7 +477,9 @@ CASES: tuple[Case, ...] = (
         prepare=travels,
         commands=(
             stickslip("select", "select block.toml"),
-            stickslip("simulate", f"simulate block.toml {RUN} --ensemble 50 --report"),
+            stickslip(
+                "simulate", f"simulate block.toml {RUN.format('block')} --ensemble 50 --report"
+            ),
             stickslip("fit", "fit block.toml --law coulomb-viscous -o fitted.toml"),
             stickslip("plan", "plan block.toml --laws coulomb,viscous --json"),
             script("in_python"),
@@ -526,7 +527,7 @@ CASES: tuple[Case, ...] = (
         prepare=pendulum,
         commands=(
             stickslip("select", "select pendulum.toml"),
-            stickslip("simulate", f"simulate driven.toml {RUN} --json"),
+            stickslip("simulate", f"simulate driven.toml {RUN.format('pendulum')} --json"),
             stickslip("fit", "fit pendulum.toml --law coulomb-viscous --starts 2"),
         ),
     ),
@@ -536,7 +537,7 @@ CASES: tuple[Case, ...] = (
         prepare=slider,
         commands=(
             stickslip("select", "select slider.toml --laws coulomb,stribeck"),
-            stickslip("simulate", f"simulate slider.toml {RUN} --t-end 0.5"),
+            stickslip("simulate", f"simulate slider.toml {RUN.format('slider')} --t-end 0.5"),
             stickslip("fit", "fit slider.toml --law coulomb --json -o fitted.toml"),
         ),
     ),
@@ -546,7 +547,9 @@ CASES: tuple[Case, ...] = (
         prepare=capsule,
         commands=(
             stickslip("select", f"select capsule.toml --laws {PLAIN}"),
-            stickslip("simulate", f"simulate capsule.toml {RUN} --ensemble 50 --report"),
+            stickslip(
+                "simulate", f"simulate capsule.toml {RUN.format('capsule')} --ensemble 50 --report"
+            ),
         ),
     ),
     Case(
@@ -555,7 +558,7 @@ CASES: tuple[Case, ...] = (
         prepare=torque_cart,
         commands=(
             stickslip("select", "select cart.toml"),
-            stickslip("simulate", f"simulate cart.toml {RUN} --json"),
+            stickslip("simulate", f"simulate cart.toml {RUN.format('cart')} --json"),
         ),
     ),
     Case(

@@ -63,7 +63,7 @@ from stickslip.mechanisms.drives import (
     ThreePhase,
 )
 from stickslip.quantities import Quantity, fields_of, parameters
-from stickslip.study.testing.suites import ORDINARY
+from stickslip.study.testing import ORDINARY
 
 UNAIDED = {name: law for name, law in LAWS.items() if not law.inputs}
 """Laws that ask the contact for speed and load alone."""

@@ -11,7 +11,7 @@ import pytest
 
 from stickslip.errors import InputError
 from stickslip.show import documents
-from stickslip.show.documents import LIST, write_file, write_files, write_folder
+from stickslip.show.documents import LIST, is_earlier, write_file, write_files, write_folder
 
 OLD = {"index.html": "old", "verdict.json": "old", "law.toml": "old"}
 NEW = {"index.html": "new", "verdict.json": "new"}
@@ -161,6 +161,33 @@ def test_a_file_that_the_user_has_edited_is_not_replaced(tmp_path):
     assert seen(tmp_path) == OLD | {"law.toml": "edited"}
     write_folder(tmp_path, NEW, stale=["law.toml"])  # which does not need it: it stays
     assert seen(tmp_path) == NEW | {"law.toml": "edited"}
+
+
+@posix
+@pytest.mark.parametrize("can_exchange", [pytest.param(True, marks=linux), False])
+def test_a_killed_process_leaves_a_folder_that_is_known_as_an_earlier_report(
+    tmp_path, can_exchange
+):
+    for last in range(1, MOST_STEPS):
+        write_folder(tmp_path / str(last), OLD)
+    for last in killed(tmp_path / "{}", "before", can_exchange=can_exchange):
+        folder = tmp_path / str(last)
+        assert is_earlier(folder, {*OLD, *NEW})
+        (folder / "notes.txt").write_text("mine")
+        assert not is_earlier(folder, {*OLD, *NEW, "notes.txt"})
+
+
+def test_what_a_user_made_of_a_report_is_no_earlier_report(tmp_path):
+    assert not is_earlier(tmp_path, OLD)  # an empty folder may be meant for something
+    write_folder(tmp_path, OLD)
+    assert is_earlier(tmp_path, OLD)
+    assert not is_earlier(tmp_path, {"index.html"})  # another command's report
+    (tmp_path / "law.toml").write_text("edited")
+    assert not is_earlier(tmp_path, OLD)
+    (tmp_path / "law.toml").unlink()
+    assert is_earlier(tmp_path, OLD)
+    (tmp_path / ".index.html.tmp-0123abcd").symlink_to("elsewhere")
+    assert not is_earlier(tmp_path, OLD)
 
 
 def test_a_link_and_a_folder_of_the_user_are_never_replaced(tmp_path):

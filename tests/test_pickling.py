@@ -40,7 +40,7 @@ from stickslip.friction import RateState
 from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.mechanisms.drives import Sampled, Sine
 from stickslip.show.display import Tabular
-from stickslip.study.characterization import presliding_loop
+from stickslip.study import presliding_loop
 from stickslip.study.control import closed_loop, limit_cycle
 from stickslip.study.sweep import average_velocity, band_of, basins
 

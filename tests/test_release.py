@@ -83,7 +83,7 @@ def test_a_workflow_calls_targets_and_modules_that_exist(path: Path) -> None:
 
 @for_all(GITHUB)
 def test_a_workflow_is_yaml_with_least_permissions(path: Path) -> None:
-    yaml = pytest.importorskip("yaml", reason="PyYAML comes with the extra ros")
+    yaml = pytest.importorskip("yaml", reason="PyYAML comes with the extra dev")
     found = yaml.safe_load(path.read_text(encoding="utf-8"))
     if path.parent.name == "workflows":
         assert found["permissions"] == {"contents": "read"}
@@ -95,7 +95,7 @@ def test_a_workflow_is_yaml_with_least_permissions(path: Path) -> None:
 
 
 def test_the_files_that_are_published_are_those_that_were_tested() -> None:
-    yaml = pytest.importorskip("yaml", reason="PyYAML comes with the extra ros")
+    yaml = pytest.importorskip("yaml", reason="PyYAML comes with the extra dev")
     tests, release = (
         yaml.safe_load(text_of(f".github/workflows/{name}.yml"))["jobs"]
         for name in ("tests", "release")

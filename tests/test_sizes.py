@@ -25,8 +25,8 @@ from stickslip import (
 )
 from stickslip.cli import main
 from stickslip.data import LawEstimates, Measurement
+from stickslip.engine.solver import EventDriven, IncrementalEnsemble
 from stickslip.errors import InputError, ParameterError, check_size
-from stickslip.exports import MotorEnvironment, MotorVectorEnvironment
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.sweep import average_velocity, band_of
 
@@ -238,7 +238,7 @@ WIDE = np.broadcast_to(0.25, MANY)
         lambda: average_velocity(
             SINE, LAW, {"inertia": np.arange(1.0, 1e5), "stiffness": np.arange(1.0, 1e5)}
         ),
-        lambda: MotorVectorEnvironment(num_envs=MANY),
+        lambda: IncrementalEnsemble(BLOCK, LAW, count=MANY, solver=EventDriven()),
     ],
 )
 def test_more_numbers_than_are_held_at_once_are_refused_at_once(call):
@@ -306,14 +306,3 @@ def test_a_parameter_whose_square_is_no_number_is_refused(field, value):
     }
     with pytest.raises(ParameterError, match=r"between 1e-100 and 1e\+100, got 1e"):
         LuGre(**{**given, field: value})
-
-
-@pytest.mark.parametrize("action", [["0.5"], [0.5 + 0.5j], [True], [None], ["abc"], [b"1"]])
-def test_an_action_that_is_no_real_number_is_refused(action):
-    one, many = MotorEnvironment(), MotorVectorEnvironment(num_envs=1)
-    one.reset(seed=0)
-    many.reset(seed=0)
-    many.step(np.zeros((1, 1)))
-    for call in (lambda: one.step(np.array(action)), lambda: many.step(np.array([action]))):
-        with pytest.raises(InputError, match="actions must be real numbers from -1 to 1, got"):
-            call()

@@ -16,7 +16,7 @@ from stickslip.study.control import closed_loop
 
 PLACES = (
     "data", "engine", "engine.solver", "exports", "identify",
-    "identify.fits", "study.characterization", "study.control", "study.optimisation", "study.sweep",
+    "identify.fits", "study", "study.control", "study.optimisation", "study.sweep",
 )  # fmt: skip
 
 

@@ -44,11 +44,9 @@ PACKAGES = (
     "stickslip.show.plots",
     "stickslip.show.report",
     "stickslip.study",
-    "stickslip.study.characterization",
     "stickslip.study.control",
     "stickslip.study.optimisation",
     "stickslip.study.sweep",
-    "stickslip.study.testing",
 )
 EXTRA = {
     "stickslip": {"__version__": "str"},
@@ -62,7 +60,6 @@ CONSTRUCTED = (
     "stickslip.friction",
     "stickslip.mechanisms",
     "stickslip.mechanisms.drives",
-    "stickslip.study.characterization",
     "stickslip.study.control",
 )
 """Packages of whose classes with quantities the constructors are declared."""

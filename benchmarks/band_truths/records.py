@@ -39,7 +39,6 @@ from stickslip import Axis, Measurement
 SECONDS = 12.0
 SMOOTHED = 21
 """Samples of the mean that counts as the slow part of a force."""
-DEAD_ZONE = "dead zone"
 Change: TypeAlias = Callable[[AxisRecord, Random], AxisRecord]
 
 
@@ -55,8 +54,6 @@ class Wrong:
     named: frozenset[str] = frozenset()
     steady: bool = True
     """Whether there is a steady curve to compare with."""
-    hidden: str = ""
-    """What no record tells from friction."""
     scatter: float = 0.0
     """Relative change of friction from record to record."""
     inside: bool = False
@@ -127,9 +124,9 @@ WRONG: Mapping[str, Wrong] = {
     "lag of friction": Wrong(truth=_truth(
         "level stribeck viscous", step_forward=0.5, step_backward=0.5, lag=0.03),
         named=frozenset({"memory", "lag"})),
-    "dead zone": Wrong(truth=_truth(dead=0.3), named=frozenset({"dead_zone"}), hidden=DEAD_ZONE),
+    "dead zone": Wrong(truth=_truth(dead=0.3), named=frozenset({"dead_zone"})),
     "dead zone, heavy": Wrong(
-        truth=_truth(dead=0.3, inertia=0.15), named=frozenset({"dead_zone"}), hidden=DEAD_ZONE),
+        truth=_truth(dead=0.3, inertia=0.15), named=frozenset({"dead_zone"})),
     "known slope": Wrong(
         truth=_truth(offset=0.4), mechanism=Axis(inertia=0.026, offset=0.4), inside=True),
     "running-in": Wrong(
@@ -217,7 +214,6 @@ def _rig(name: str, truth: Truth, wrong: Wrong, seed: int) -> Rig:
         mechanism=wrong.mechanism or Axis(inertia=1.3 * p.inertia),
         unknown=("mechanism.inertia",) if wrong.free else (),
         family=family if wrong.inside else None, faults=wrong.named, causes=family | {"offset"},
-        hidden=wrong.hidden,
         curves=(lambda q: steady(p, q) - known,) if wrong.steady else (),
         noise=lambda q: np.full(len(q), p.force_noise), asked=asked, beyond=beyond,
         shown=_shown(second),

@@ -75,8 +75,6 @@ class Rig:
     """Kinds of faults that may be named."""
     causes: frozenset[str] | None = None
     """Terms of the rig that are there beside those, where all that are named are to be true."""
-    hidden: str = ""
-    """What no record of this kind tells from friction, and a verdict has to say so."""
     curves: tuple[Curve, ...] = ()
     """True steady friction, of each run where they differ; empty where there is none."""
     noise: Curve | None = None

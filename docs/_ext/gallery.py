@@ -1,4 +1,4 @@
-"""The gallery of laws: a page each, with figures of the battery, written before pages are read."""
+"""The gallery of laws: a page each, with its figures, written before pages are read."""
 
 import dataclasses
 import hashlib
@@ -8,28 +8,31 @@ import os
 import shutil
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 from generated import Generated, symbol, table
 from sphinx.application import Sphinx
 
-from stickslip.friction import LAWS, FrictionLaw, said_of
+from stickslip.friction import LAWS, FrictionLaw, bound, said_of, with_typical_values
+from stickslip.identify.fits import starting_law
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import fields_of
-from stickslip.show.plots import draw_characteristic
-from stickslip.show.plots.svg import standalone_svg
-from stickslip.study.characterization import Characterization, characterize
-from stickslip.study.characterization.battery import law_with_values
+from stickslip.show.plots import draw_characteristics, draw_presliding
+from stickslip.show.plots.svg import Draw, standalone_svg
 
 HERE = Path(__file__).parent
 FOLDER = HERE.parent / "gallery"
 KEPT = HERE.parent / "_build" / "gallery"
 PACKAGE = HERE.parents[1] / "src" / "stickslip"
-DECIDING = ("engine", "friction", "show/plots/laws.py", "study/characterization")
+DECIDING = ("engine", "friction", "show/plots/laws.py", "study/presliding.py")
 """Folders and files of the package that decide what a page shows."""
 FIGURE, THUMBNAIL = (620, 270), (200, 130)
 """Sizes [CSS px]."""
+SEEN, USUAL_SPEED = 20.0, 1e-3
+"""Fastest sliding over the speed at which friction changes, and that speed where a law has none
+[m/s]."""
 COLUMNS = 4
 """Thumbnails beside each other."""
 INPUTS = {"temperature": (20.0, 60.0), "position": (0.0, 0.26)}
@@ -42,70 +45,59 @@ SYMPTOMS = (
         "It hunts: under integral action it swings about its target",
         "a static level above that of sliding",
         ("coulomb-viscous-static", "stribeck", "lugre"),
-        "break-away",
     ),
     (
         "It sticks and slips, or squeals, on a slow or soft drive",
         "friction that falls with speed, or a static level",
         ("stribeck", "tustin", "hess-soom", "lugre"),
-        "steady",
     ),
     (
         "It overshoots or springs back after a reversal; small moves are elastic",
         "a contact that deflects before it slides",
         ("dahl", "dahl-stribeck", "lugre", "maxwell-slip", "gms"),
-        "presliding",
     ),
     (
         "It errs after small swings on top of a motion",
         "a memory of all turns, not of the last one",
         ("maxwell-slip", "gms"),
-        "presliding",
     ),
     (
         "It creeps: in a simulation a parked load moves",
         "a law that is smooth at rest; take one that holds",
         ("coulomb-viscous", "stribeck", "maxwell-slip"),
-        "break-away",
     ),
     (
         "It drifts: in a simulation vibration moves a load below break-away",
         "bristles that yield at any force; take a contact with an elastic range",
         ("elasto-plastic", "maxwell-slip", "gms"),
-        "drift",
     ),
     (
         "It starts the more easily the faster the force grows",
         "bristles beside a static level",
         ("lugre", "elasto-plastic"),
-        "break-away",
     ),
     (
         "It drifts when warm: a fit of the morning is wrong at noon",
         "friction that depends on the temperature",
         ("warm-viscous", "joint-load-temperature"),
-        "steady",
     ),
     (
         "It takes more force one way than the other",
         "levels for each direction",
         ("direction-dependent", "directional-stribeck", "directional-dahl"),
-        "steady",
     ),
     (
         "Its friction grows with the torque that the gear transmits",
         "levels that depend on the transmitted torque",
         ("bam-m3", "bam-m4", "bam-m6", "lugre-gear"),
-        "steady",
     ),
     (
         "A simulation with fixed steps is slow or unstable",
         "stiff bristles, or a steep start at rest",
         ("coulomb-viscous", "stribeck", "tanh"),
-        "steady",
     ),
 )
-"""What is seen, its cause, laws that show it or cure it, and the test that distinguishes them."""
+"""What is seen, its cause, and laws that show it or cure it."""
 
 
 def code_digest() -> str:
@@ -124,27 +116,41 @@ def written(name: str) -> dict[str, str]:
     """Return the files of a law by their names: its page and figures."""
     kind = LAWS[name]
     law = shown(kind)
-    inputs = {one: INPUTS.get(one, (0.0, CONTACT_INPUTS[one].size)) for one in law.inputs}
-    tests = ["steady"] if inputs else ["steady", "drift"]
-    if law.states and not inputs:
-        tests[1:1] = ["presliding"]
-    found = characterize(law, tests=tests, inputs=inputs)
-    files = {f"{name}.md": "\n".join(page(name, kind, law, found))}
-    for test, results in found.by_test.items():
-        if not drawn(test, results):
-            continue
-        draw = draw_characteristic(results)
-        title = f"{kind.title}: {next(iter(results.values())).title}"
-        files[f"{name}-{test}.svg"] = standalone_svg(draw, size=FIGURE, title=title)
+    drawn = figures(law)
+    files = {f"{name}.md": "\n".join(page(name, kind, law, drawn))}
+    for figure, (heading, draw) in drawn.items():
+        title = f"{kind.title}: {heading}"
+        files[f"{name}-{figure}.svg"] = standalone_svg(draw, size=FIGURE, title=title)
+    _, small = drawn.get("presliding", drawn["steady"])
     files[f"{name}-thumbnail.svg"] = standalone_svg(
-        bare(found), size=THUMBNAIL, title=f"{kind.title}: steady sliding"
+        bare(small), size=THUMBNAIL, title=f"{kind.title}: steady sliding"
     )
     return files
 
 
+def figures(law: FrictionLaw) -> dict[str, tuple[str, Draw]]:
+    """Return the drawings of a law by their names, with their headings."""
+    inputs = {one: INPUTS.get(one, (0.0, CONTACT_INPUTS[one].size)) for one in law.inputs}
+    curves = {law.title: law}
+    if inputs:  # a panel for each combination of values
+        levels = [dict(zip(inputs, values, strict=True)) for values in product(*inputs.values())]
+        curves = {
+            ", ".join(f"{one} {value:g} {CONTACT_INPUTS[one].unit}" for one, value in at.items()): (
+                bound(law, at)
+            )
+            for at in levels
+        }
+    speeds = [getattr(law, one) for one, at in fields_of(type(law)).items() if at.scale == "speed"]
+    fastest = SEEN * min(filter(None, speeds), default=USUAL_SPEED)
+    result = {"steady": ("steady sliding", draw_characteristics(curves, 1.0, fastest))}
+    if law.states and not inputs:
+        result["presliding"] = ("presliding", draw_presliding({law.title: law}))
+    return result
+
+
 def shown(kind: type[FrictionLaw]) -> FrictionLaw:
     """Return a law with typical values, whose directions differ if it has two."""
-    law = law_with_values(kind, 1.0)
+    law = with_typical_values(kind) or starting_law(kind, 1.0)
     levels = {
         name: getattr(law, name)
         for name, one in fields_of(kind).items()
@@ -158,49 +164,38 @@ def shown(kind: type[FrictionLaw]) -> FrictionLaw:
     )
 
 
-def drawn(test: str, results: Mapping[str, Any]) -> bool:
-    """Whether a test has something to see: what stays in its place has not."""
-    return test not in ("drift", "creep") or any(not one.stays for one in results.values())
-
-
-def bare(found: Characterization) -> Any:
-    """Return a drawing of the presliding loop, or of the steady curve, without words."""
-    first = found.presliding if found.presliding is not None else found.steady
+def bare(drawing: Draw) -> Draw:
+    """Return a drawing without words: its first panel."""
 
     def draw(figure: Any, narrow: bool) -> None:
-        draw_characteristic({found.title: first})(figure, narrow)
-        (axes,) = figure.axes
-        axes.set(xlabel="", ylabel="", xticks=[], yticks=[])
-        axes.minorticks_off()
+        drawing(figure, narrow)
+        for axes in figure.axes:
+            axes.set(xlabel="", ylabel="", xticks=[], yticks=[], title="")
+            axes.minorticks_off()
+            for text in axes.texts:
+                text.set_visible(False)
 
     return draw
 
 
 def page(
-    name: str, kind: type[FrictionLaw], law: FrictionLaw, found: Characterization
+    name: str, kind: type[FrictionLaw], law: FrictionLaw, drawn: Mapping[str, tuple[str, Draw]]
 ) -> Iterator[str]:
     """Lines of the page of a law."""
     prose = inspect.cleandoc(vars(kind).get("__doc__") or "").partition("\n\nNotes\n-")[0]
     yield from (f"# {kind.title}", "", prose, "")
     for line in kind.formula.split(r", \quad "):
         yield from ("$$", line, "$$", "")
-    when, not_when = uses(law, found)
+    when, not_when = uses(law)
     yield from ("## When, and when not", "")
     yield from table(("take it for", "not for"), [("<br>".join(when), "<br>".join(not_when))])
     for heading, text in said_of(kind):
         if heading in ("Passive", "Known defects", "Note"):
             yield from (f"**{heading}:** {text.removesuffix('.')}.", "")
     yield from ("## What it does", "")
-    for test, results in found.by_test.items():
-        for title, result in results.items():
-            beside = f" ({title.partition(', ')[2]})" if len(results) > 1 else ""
-            yield from (f"**{result.title}**{beside}. {result.sentence}", "")
-        caption = next(iter(results.values())).conditions
-        if drawn(test, results):
-            yield f"![{result.title} of {kind.title}]({name}-{test}.svg)"
-        yield from ("", caption, "")
-    for test, why in found.failed.items():
-        yield from (f"**{test.capitalize()}**: no result. {why}", "")
+    for figure, (heading, _) in drawn.items():
+        yield from (f"**{heading.capitalize()}**:", "")
+        yield from (f"![{heading.capitalize()} of {kind.title}]({name}-{figure}.svg)", "")
     rows = (
         (f"`{field}`", symbol(quantity.symbol), quantity.unit, f"{getattr(law, field)}")
         for field, quantity in fields_of(kind).items()
@@ -214,10 +209,11 @@ def page(
         yield from (f"Sources: {{cite}}`{keys}`.", "")
 
 
-def uses(law: FrictionLaw, found: Characterization) -> tuple[list[str], list[str]]:
-    """Return what a law is for and what not, as its tests tell."""
+def uses(law: FrictionLaw) -> tuple[list[str], list[str]]:
+    """Return what a law is for and what not, as its equations tell."""
     when, not_when = [], []
-    sticks = max(found.steady.break_away) > 0.0 if found.steady is not None else True
+    at = bound(law, {one: INPUTS.get(one, (0.0, 0.0))[0] for one in law.inputs})
+    sticks = max(float(at.towards(side).break_away(1.0)) for side in (-1, 1)) > 0.0
     if law.states:
         when.append("positioning, reversals and swings below break-away")
     elif sticks:
@@ -231,10 +227,6 @@ def uses(law: FrictionLaw, found: Characterization) -> tuple[list[str], list[str
     if law.inputs:
         when.append(f"records with {' and '.join(law.inputs)}, or a mechanism that computes it")
         not_when.append(f"records in which the {' and '.join(law.inputs)} does not vary")
-    if found.presliding is not None and found.presliding.memory == "local":
-        not_when.append("small swings on top of a motion: its memory is local")
-    if found.drift is not None and sticks and not found.drift.stays:
-        not_when.append("loads held under vibration: it drifts")
     return [f"{one}." for one in when], [f"{one}." for one in not_when] or ["—"]
 
 
@@ -244,12 +236,11 @@ def code(name: str, kind: type[FrictionLaw], law: FrictionLaw) -> Iterator[str]:
         one: value for one in fields_of(kind) if isinstance(value := getattr(law, one), float | int)
     }
     values = "\n".join(f"    {one}={value!r}," for one, value in given.items())
-    needed = "".join(f" --input {one}=0,1" for one in law.inputs)
     yield from ("## Code", "", "```python", f"from stickslip import {kind.__name__}", "")
     yield from (f"law = {kind.__name__}(", values, ")", "```", "")
     yield from ("```toml", f"[friction.{name}]")
     yield from (f"{one} = {value!r}" for one, value in given.items())
-    yield from ("```", "", "```sh", f"stickslip characterize {name}{needed}", "```", "")
+    yield from ("```", "")
     yield f"Composition: `{kind.composition}`. All parameters: {{ref}}`{kind.title} <law-{name}>`."
     yield ""
 
@@ -286,12 +277,12 @@ def write_pages(_app: Sphinx) -> None:
 
 
 def guide() -> Iterator[str]:
-    """The decision guide: from the symptom to laws and to a test."""
+    """The decision guide: from the symptom to laws."""
     rows = []
-    for seen, behind, names, test in SYMPTOMS:
+    for seen, behind, names in SYMPTOMS:
         known = ", ".join(f"[{LAWS[name].title}]({name}.md)" for name in names if name in LAWS)
-        rows.append((seen, behind, known or "—", f"`stickslip characterize LAW --tests {test}`"))
-    yield from table(("what is seen", "what is behind it", "laws", "test that shows it"), rows)
+        rows.append((seen, behind, known or "—"))
+    yield from table(("what is seen", "what is behind it", "laws"), rows)
 
 
 def thumbnails() -> Iterator[str]:

@@ -89,7 +89,6 @@ from stickslip.mechanisms import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.mechanisms import TwoMassCapsule as TwoMassCapsule
 from stickslip.show.plots import animate as animate
-from stickslip.study.characterization import characterize as characterize
 from stickslip.study.optimisation import optimise as optimise
 
 __version__: str
@@ -163,7 +162,6 @@ __all__ = [
     "WarmViscous",
     "__version__",
     "animate",
-    "characterize",
     "check",
     "compare_trials",
     "ensemble",

@@ -59,8 +59,11 @@ _DOTTED: Final = re.compile(r"(?<=N)[.-](?=[mckdµμu]?m\b)")
 """Mark in a torque in N.m or N-m."""
 CELSIUS: Final = "degC"
 """Unit of temperatures: coefficients of a law are those at 0 of it, and no contact is near 0 K."""
-_PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
-"""What means revolutions per minute where a speed of rotation is wanted."""
+_REVOLUTIONS: Final = {
+    **dict.fromkeys(("1/minute", "1/min", "minute**-1", "min**-1"), "rpm"),
+    **dict.fromkeys(("Hz", "hertz"), "rev/s"),
+}
+"""What means revolutions where a speed of rotation is wanted."""
 _ROTATION: Final = ("rad/s", "radian/second")
 
 
@@ -80,10 +83,12 @@ def factor(unit: str, target: str | None) -> float:
     >>> factor("mm", "m"), factor("Ncm", "N m"), factor("kp", "N"), factor("deg/s", "rad/s")
     (0.001, 0.01, 9.80665, 0.017453292519943295)
 
-    Per minute means revolutions where a speed of rotation is wanted, and a frequency elsewhere:
+    Per minute, and Hz, mean revolutions where a speed of rotation is wanted, else a frequency:
 
     >>> factor("1/min", "rad/s") == factor("U/min", "rad/s"), factor("1/min", "Hz")
     (True, 0.016666666666666666)
+    >>> factor("Hz", "rad/s"), factor("rad/s", "rad/s")
+    (6.283185307179586, 1.0)
     """
     return float(exact_factor(unit, target))
 
@@ -233,8 +238,8 @@ def exact_factor(unit: str, target: str | None) -> Decimal:
     """Return by what numbers in `unit` are to be multiplied, as `factor`, as a decimal."""
     if unit == target:
         return Decimal(1)
-    if target in _ROTATION and _plain(unit) in _PER_MINUTE:
-        unit = "rpm"
+    if target in _ROTATION:
+        unit = _REVOLUTIONS.get(_plain(unit), unit)
     base = _one(unit)
     if target is None:
         _check_zero(base, unit)

@@ -85,9 +85,9 @@ def test_a_law_touches_three_places(tree: Tree) -> None:
 import numpy as np
 from stickslip import Axis, Measurement, SpringBlock, ToyLaw, fit, select, simulate
 from stickslip.friction import LAWS
-from stickslip.study.testing import check_friction
+from stickslip.study import check_law
 assert LAWS["toy-law"] is ToyLaw
-assert check_friction(ToyLaw(level=0.3, knee=0.05)).ok
+check_law(ToyLaw(level=0.3, knee=0.05))
 truth = ToyLaw(level=2.0, knee=0.05)
 v = np.linspace(-1.0, 1.0, 400)
 noise = np.random.default_rng(0).normal(0.0, 0.02, v.size)

@@ -446,7 +446,7 @@ def test_the_wheel_has_the_stubs_and_the_mark_of_a_typed_package(tmp_path: Path)
 
 
 def test_every_dependency_of_the_package_and_its_extras_names_its_lowest_version() -> None:
-    extras = "dask gym logs mdf parquet ros sensitivity xarray bench docs"
+    extras = "dask logs mdf parquet sensitivity xarray bench docs"
     assert all(re.match(r"[\w.\[\]-]+==\d", line) for line in lowest(extras.split()))
     with pytest.raises(SystemExit, match=r"must be NAME>=VERSION"):
         lowest(["dev"])  # names the package itself

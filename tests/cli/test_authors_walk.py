@@ -117,7 +117,7 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     write_rig(truth, velocity=velocity, stiffness=stiffness)
     code, _, err = walk("select", "block.toml")
     assert code == 0, err
-    report = Path("stickslip-report")
+    report = Path("block-report")
     assert "could not be produced" not in (report / "index.html").read_text()
     verdict = json.loads((report / "verdict.json").read_text())
     named = next(entry for entry in verdict["candidates"] if entry["law"] == verdict["best"])
@@ -155,7 +155,7 @@ def test_where_what_was_given_is_far_off_no_law_is_named_and_the_verdict_says_so
     code, out, _ = walk("select", "block.toml")
     assert code == 3
     assert "No law compared explains these travels" in out
-    assert not Path("stickslip-report/law.toml").exists()
-    code, _, err = walk("simulate", CART, "--law", "stickslip-report/law.toml")
+    assert not Path("block-report/law.toml").exists()
+    code, _, err = walk("simulate", CART, "--law", "block-report/law.toml")
     assert (code, "does not exist: select recommended no law" in err) == (2, True)
     assert "`stickslip fit FILE --law NAME -o law.toml`" in err

@@ -13,6 +13,7 @@ from scipy.io import loadmat
 from tests.commands import commands
 
 from stickslip.friction import LAWS, PRINTED_FORMS
+from stickslip.show.documents import write_folder
 
 
 @pytest.fixture
@@ -229,20 +230,27 @@ def test_select_writes_the_folder_that_is_given_beside_the_document(run, rig, tm
     assert code == 0
     assert json.loads((tmp_path / "own" / "verdict.json").read_text()) == json.loads(out)
     assert (tmp_path / "own" / "index.html").exists()
+    (tmp_path / "own" / "notes.txt").write_text("mine")
     code, out, err = run("select", rig(), "--laws", "coulomb", "--json", "-o", "own")
     assert (code, out) == (2, "")
     assert "own already exists" in err
 
 
-def test_select_writes_a_report_and_refuses_to_overwrite_it(run, rig, tmp_path):
+def test_select_replaces_its_own_report_and_no_folder_with_anything_else(run, rig, tmp_path):
     # not of the bundled rig, whose page has the audit of its paper too
     code, out, _ = run("select", rig(), "--laws", "coulomb,viscous")
     assert code == 0
     assert "mu_k = 0.25" in out
-    page = (tmp_path / "stickslip-report" / "index.html").read_text(encoding="utf-8")
+    page = (tmp_path / "rig-report" / "index.html").read_text(encoding="utf-8")
     assert page.startswith("<!doctype html>")
-    json.loads((tmp_path / "stickslip-report" / "verdict.json").read_text(encoding="utf-8"))
+    json.loads((tmp_path / "rig-report" / "verdict.json").read_text(encoding="utf-8"))
+    assert run("select", "rig.toml", "--laws", "coulomb")[0] == 0
+    assert "viscous" not in (tmp_path / "rig-report" / "verdict.json").read_text(encoding="utf-8")
+    law = ("rig-report/law.toml", "--laws", "coulomb", "-o", "rig-report")
+    assert "law.toml is read by this command" in complaint(run, "select", *law)
+    (tmp_path / "rig-report" / "notes.txt").write_text("mine")
     assert "--force" in complaint(run, "select", "rig.toml", "--laws", "coulomb")
+    assert (tmp_path / "rig-report" / "notes.txt").read_text() == "mine"
 
 
 def test_cite_prints_the_sources_of_the_laws_asked_for(run):
@@ -469,7 +477,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
 @pytest.mark.slow
 def test_force_replaces_a_report_but_no_file_of_the_user(run, rig, tmp_path):
     select = ("select", rig(), "--laws", "coulomb", "--force")
-    folder = tmp_path / "stickslip-report"
+    folder = tmp_path / "rig-report"
     folder.mkdir()
     (folder / "law.toml").write_text("mine")
     assert "law.toml was not written by stickslip" in complaint(run, *select)
@@ -482,7 +490,7 @@ def test_force_replaces_a_report_but_no_file_of_the_user(run, rig, tmp_path):
     (folder / "index.html").write_text("edited")
     assert "index.html was changed since" in complaint(run, *select)
     assert (folder / "index.html").read_text() == "edited"
-    report = ("simulate", "rig.toml", "--report-to", "stickslip-report", "--force")
+    report = ("simulate", "rig.toml", "--report-to", "rig-report", "--force")
     assert "index.html was changed since" in complaint(run, *report)
     (folder / "index.html").unlink()
     assert run(*report)[0] == 0
@@ -495,27 +503,27 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
 ):
     """Verdict, law and page of one report appear in one step."""
     kill = "import os, stickslip.cli.judge as s"
-    kill += "; s.verdict_page = lambda *_, **__: os.kill(os.getpid(), 9)"
+    kill += "; s.kinds.verdict_page = lambda *_, **__: os.kill(os.getpid(), 9)"
     go = "from stickslip.cli import main"
-    go += "; main(['select', 'rig.toml', '--laws', 'coulomb', '--force'])"
+    go += "; main(['select', 'rig.toml', '--laws', 'coulomb'])"
     rig()  # another page than that of the paper's rig, which takes longer by the paper's audit
     assert run("select", "rig.toml", "--laws", "coulomb")[0] == 0
-    folder = tmp_path / "stickslip-report"
+    folder = tmp_path / "rig-report"
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     done = subprocess.run(
         [sys.executable, "-c", f"{kill}; {go}"], cwd=tmp_path, capture_output=True, check=False
     )
     assert done.returncode == -9
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert run("select", "rig.toml", "--laws", "coulomb")[0] == 0
 
 
 @pytest.mark.slow
 def test_a_reader_who_has_seen_enough_costs_no_verdict(rig, tmp_path):
     """``stickslip select | head`` leaves the law for the next command."""
-    folder = tmp_path / "stickslip-report"
-    folder.mkdir()
-    (folder / "verdict.json").write_text("{}")  # an older one, which is replaced
-    code, told = unread("select", rig(), "--laws", "coulomb", "--force", folder=tmp_path)
+    folder = tmp_path / "rig-report"
+    write_folder(folder, {"verdict.json": "{}"})  # an older one, which is replaced
+    code, told = unread("select", rig(), "--laws", "coulomb", folder=tmp_path)
     assert (code, "Traceback" in told) == (0, False), told
     assert {path.name for path in folder.glob("[!.]*")} >= {
         "verdict.json",

@@ -1,6 +1,5 @@
 """Without an extra, what needs it says what to install, and all else works."""
 
-import importlib
 import re
 import subprocess
 import sys
@@ -21,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 FOR_CONTRIBUTORS = {"bench", "dev", "docs"}
-IMPORTED = {"pyyaml": "yaml", "mcap-ros2-support": "mcap_ros2"}
+IMPORTED = {"mcap-ros2-support": "mcap_ros2"}
 """What a package is imported as, where that is not its name in small letters."""
 
 CAMPAIGN = """
@@ -45,7 +44,6 @@ kinetic_coefficient = 0.5
 [friction.elbow]
 kinetic_coefficient = 0.2
 """
-APPLY = ("apply", "arm.toml", "--largest-speed", "2 rad/s", "-o")
 
 COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
     "dask": (("sweep", "sobol.toml", "--executor", "dask://127.0.0.1:1"),),
@@ -70,7 +68,6 @@ COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
             "energy",
         ),
     ),
-    "ros": ((*APPLY, "new.yaml", "controllers.yaml"),),
     "sensitivity": (("sweep", "saltelli.toml"),),
     "tdms": (("init", "record.tdms"), ("check", "record.tdms")),
     "xlsx": (("init", "record.xlsx"), ("check", "record.xlsx")),
@@ -83,17 +80,7 @@ def to_xarray() -> None:
     simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=0.1).to_xarray()
 
 
-def adapter(name: str) -> Callable[[], None]:
-    module = f"stickslip.exports.{name}"
-
-    def imported() -> None:
-        sys.modules.pop(module, None)
-        importlib.import_module(module)
-
-    return imported
-
-
-IN_PYTHON = {"gym": adapter("gym"), "xarray": to_xarray}
+IN_PYTHON = {"xarray": to_xarray}
 
 
 def packages(extra: str) -> list[str]:
@@ -128,7 +115,6 @@ def called(tmp_path, monkeypatch, capsys):
     (tmp_path / "arm.urdf").write_bytes(
         (files("stickslip.mechanisms") / "desk_arm.urdf").read_bytes()
     )
-    (tmp_path / "controllers.yaml").write_text("arm:\n  ros__parameters:\n    rate: 1\n")
     for design in ("sobol", "saltelli"):
         (tmp_path / f"{design}.toml").write_text(CAMPAIGN.format(design=design))
     for ending in ("mcap", "bag", "mf4", "parquet", "tdms", "xlsx"):

@@ -213,7 +213,7 @@ def test_a_travel_beyond_all_measure_is_one_message(run, verb, value):
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert "trial.0.travel" in err
     assert "must be" in err
-    assert not Path("stickslip-report").exists()
+    assert not Path("rig-report").exists()
 
 
 def test_numbers_at_the_ends_of_what_is_read_are_read(run):

@@ -278,9 +278,9 @@ def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
 
 
 def test_a_verdict_is_no_law_and_the_file_beside_it_is_named(walk):
-    code, _, err = walk("simulate", CART, "--law", "stickslip-report/verdict.json")
+    code, _, err = walk("simulate", CART, "--law", "axis-report/verdict.json")
     assert code == 2
-    assert "--law stickslip-report/law.toml" in err
+    assert "--law axis-report/law.toml" in err
 
 
 def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(walk):

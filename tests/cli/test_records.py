@@ -58,11 +58,11 @@ def run(capsys, monkeypatch, tmp_path, write):
 def test_a_rig_file_with_data_is_all_that_select_needs(run, tmp_path):
     code, out, _ = run("select", "axis.toml", *FAST)
     assert code == 0
-    assert "Use Coulomb + viscous friction: it stays within 2 % of friction." in out
+    assert "Use Coulomb + viscous friction. Friction is known to ±" in out
     assert "friction is known to ±" in out
-    assert "stays within" in out
+    assert "differs by" in out
     assert "mechanism.inertia" in out
-    report = tmp_path / "stickslip-report"
+    report = tmp_path / "axis-report"
     content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))
     assert content["best"] == "coulomb-viscous"
     law = load_rig(report / "law.toml").laws["coulomb-viscous"]
@@ -104,7 +104,7 @@ def test_the_record_itself_is_no_second_record(run, write, tmp_path, command):
     code, out, message = run(name, "axis.toml", "--validate", "copy.csv", *more)
     assert (code, out) == (2, "")
     assert "the second record is identical to the fitted one" in message
-    assert not (tmp_path / "stickslip-report").exists()
+    assert not (tmp_path / "axis-report").exists()
 
 
 @pytest.mark.slow
@@ -343,7 +343,7 @@ def test_lengths_in_the_wrong_unit_are_doubted_before_a_law_is_named(run, write,
     assert code == 0
     said = " ".join(out.split())
     assert said.startswith("Check units, gains and signs first. The inertia is 0.0998 times as")
-    assert "a unit of length is wrong. If they are right, Coulomb + viscous friction" in said
+    assert "a unit of length is wrong. If they are right, use Coulomb + viscous friction" in said
     assert "Use " not in out
 
 

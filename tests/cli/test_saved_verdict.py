@@ -10,7 +10,7 @@ from stickslip import LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli.app import app
 from stickslip.show.documents import write_folder
 
-LAW = "stickslip-report/law.toml"
+LAW = "rig-report/law.toml"
 RIG = """
 title = "Own block"
 [mechanism]
@@ -63,9 +63,9 @@ def run(*arguments):
 def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     result = run("select", "rig.toml", "--laws", "lugre")
     assert result.exit_code == 0, result.output
-    files = {path.name for path in (rig.parent / "stickslip-report").glob("[!.]*")}
+    files = {path.name for path in (rig.parent / "rig-report").glob("[!.]*")}
     assert files == {"index.html", "verdict.json", "law.toml", "draws.json"}
-    page = (rig.parent / "stickslip-report" / "index.html").read_text(encoding="utf-8")
+    page = (rig.parent / "rig-report" / "index.html").read_text(encoding="utf-8")
     assert "Use LuGre friction." in page
     given, named = (load_rig(file).laws["lugre"] for file in (rig, rig.parent / LAW))
     assert named.bristle_stiffness == given.bristle_stiffness
@@ -80,8 +80,8 @@ def test_a_page_that_is_cancelled_leaves_the_verdict_and_says_where(rig, monkeyp
     monkeypatch.setattr(command.kinds, "verdict_page", cancelled)
     result = run("select", "rig.toml", "--laws", "coulomb")
     assert result.exit_code == 130
-    assert "The verdict is in stickslip-report/verdict.json." in " ".join(result.stderr.split())
-    assert (rig.parent / "stickslip-report" / "law.toml").is_file()
+    assert "The verdict is in rig-report/verdict.json." in " ".join(result.stderr.split())
+    assert (rig.parent / "rig-report" / "law.toml").is_file()
 
 
 @pytest.mark.slow
@@ -90,7 +90,7 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
         raise ValueError("no ink")
 
     monkeypatch.setattr(command.kinds, "verdict_page", failing)
-    folder = rig.parent / "stickslip-report"
+    folder = rig.parent / "rig-report"
     write_folder(folder, {"index.html": "an earlier page"})
     result = run("select", "rig.toml", "--laws", "coulomb", "--force")
     assert result.exit_code == 1, result.output

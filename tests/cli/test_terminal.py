@@ -64,7 +64,6 @@ def test_every_option_has_a_long_name_and_the_text_below_its_field_as_help(comma
 @pytest.mark.parametrize(
     "command",
     [
-        ("characterize", "coulomb", "--tests", "drift", "--report", "new/one/file.html"),
         ("simulate", "demo", "--t-end", "0.1", "-o", "new/one/file.csv"),
         ("simulate", "demo", "--t-end", "0.1", "--report-to", "new/one"),
         ("export", "law.toml", "--to", "c", "-o", "new/one"),

@@ -140,7 +140,7 @@ def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(fil
     noise = 0.01 * np.random.default_rng(1).normal(size=8)
     table = Measurement(velocity=speed, friction=0.5 + noise)
     verdict = select(Axis(inertia=1.0, load=2.0), [Coulomb], table)
-    write_verdict(tmp_path / "stickslip-report", verdict, {})
+    write_verdict(tmp_path / "capsule-report", verdict, {})
     short = sweep.replace(":45", ":3").replace("--ensemble 24", "--ensemble 2").split()[1:]
     code, out, err = filmed(*short, "--settle", "2", "--cycles", "2", "--json")
     assert code == 0, err

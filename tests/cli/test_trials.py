@@ -54,7 +54,7 @@ def test_fit_says_that_the_trials_do_not_share_one_law_and_which_column_is_not_u
 def test_fit_names_the_condition_that_explains_it(folder):
     (folder / "rig.toml").write_text(RIG + 'conditions = ["temperature"]\n')
     said = run("fit", "rig.toml", "--law", "coulomb-viscous")
-    assert re.search(r"mu_k rises from 5\.4\S* N at 20 °C to 6\.[12]\S* N at 60 °C", said)
+    assert re.search(r"F_c rises from 5\.4\S* N at 20 °C to 6\.[12]\S* N at 60 °C", said)
     found = json.loads(run("fit", "rig.toml", "--law", "coulomb-viscous", "--json"))["trials"]
     assert [entry["conditions"] for entry in found["trials"]] == [
         {"temperature [degC]": value} for value in (20.0, 40.0, 60.0)

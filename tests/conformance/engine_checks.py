@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+from tests.conformance.mechanism_checks import slip_rates
 
 from stickslip import EventDriven, FrictionLaw, Mechanism, simulate
 from stickslip.engine import Trajectory
 from stickslip.errors import ParameterError
 from stickslip.quantities import Parametrised, parameters, vary
 from stickslip.show.formatting import number
-from stickslip.study.testing.suites import slip_rates
 
 SHARE = 1e-5
 """Relative step of differences: what they leave out is its square, and rounding 1e-16 over it."""

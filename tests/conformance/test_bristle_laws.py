@@ -2,13 +2,14 @@
 
 import dataclasses
 import functools
+import math
 
 import numpy as np
 import pytest
 from tests.support import BRISTLE, DECADES
 
 from stickslip.quantities import fields_of, unchecked
-from stickslip.study.characterization.battery import Bench, cycle_energy
+from stickslip.study import presliding_length
 
 MEETS_ITS_CONDITION = ("lugre", "directional-lugre", "elasto-plastic")
 """Laws whose condition of passivity is needed at their typical values, and not only enough."""
@@ -146,11 +147,42 @@ def test_friction_is_affine_in_the_load_and_without_load_only_flow_is_left(kind)
 
 def cycles(law):
     """Return energies of cycles that are drawn [J], of one that loads slowly and lets go fast."""
-    bench, dice = Bench(law=law), np.random.default_rng(11)
-    v = bench.speed * 10.0 ** dice.uniform(-2, 2, (3, 40)) * dice.choice([1.0, 1.0, -1.0], (3, 40))
-    way = bench.reach * 10.0 ** dice.uniform(-1.0, 0.3, (3, 40))
-    v[:, 0], way[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0]), bench.reach * 1.2
-    return cycle_energy(law, v, way / np.abs(v), cycles=3) / (bench.levels[1] * bench.reach)
+    dice, reach = np.random.default_rng(11), presliding_length(law)
+    speeds = [
+        getattr(law, name) for name, one in fields_of(type(law)).items() if one.scale == "speed"
+    ]
+    speed = min(filter(None, speeds), default=1e-3)
+    v = speed * 10.0 ** dice.uniform(-2, 2, (3, 40)) * dice.choice([1.0, 1.0, -1.0], (3, 40))
+    way = reach * 10.0 ** dice.uniform(-1.0, 0.3, (3, 40))
+    v[:, 0], way[:, 0] = speed * np.array([0.1, 100.0, 100.0]), reach * 1.2
+    z = np.zeros((len(law.states), 40))
+    for _ in range(3):
+        energy = np.zeros(40)
+        for one, length in zip(v, way, strict=True):
+            z, work = worked(law, one, z, length)
+            energy += work
+    return energy / (law.break_away(1.0) * reach)
+
+
+def worked(law, v, z, length):
+    """Return states and the work of friction after slip, by the classical Runge-Kutta method."""
+    steps = max(64, math.ceil(32 * length.max() / presliding_length(law)))
+    h, work = length / np.abs(v) / steps, np.zeros_like(v)
+
+    def slopes(z):
+        return np.array([0.0 * v + rate for rate in law.rates(v, 1.0, tuple(z))])
+
+    for _ in range(steps):
+        first = slopes(z)
+        second = slopes(z + 0.5 * h * first)
+        third = slopes(z + 0.5 * h * second)
+        last = slopes(z + h * third)
+        half = z + 0.5 * h * second
+        after = z + h / 6.0 * (first + 2.0 * (second + third) + last)
+        force = [law.force(v, 1.0, tuple(at)) for at in (z, half, half, after)]
+        work += h * v / 6.0 * (force[0] + 2.0 * (force[1] + force[2]) + force[3])
+        z = after
+    return z, work
 
 
 @each_law

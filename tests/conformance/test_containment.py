@@ -5,7 +5,7 @@ import pytest
 
 from stickslip.friction import FrictionLaw, bound, contained_laws, laws
 from stickslip.identify.fits.parameters import starting_law
-from stickslip.study.testing.suites import ORDINARY
+from stickslip.study.testing import ORDINARY
 
 PAIRS = [(kind, one) for kind in laws().values() for one in kind.contained]
 LARGE = 1e12

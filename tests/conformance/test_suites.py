@@ -1,14 +1,15 @@
-"""The suites that other packages run on their laws and mechanisms hold for ours."""
+"""What is asked of laws and mechanisms holds for ours."""
 
 import pytest
 from tests.conformance.engine_checks import same_in_both_tiers, sensitivities_hold
+from tests.conformance.mechanism_checks import faults_of, slip_rates
 from tests.support import EXAMPLES, SEVERAL, SHOWN, example_of, quick
 
 from stickslip import Axis, Coulomb
 from stickslip.friction import LAWS
 from stickslip.mechanisms import given_inputs
-from stickslip.study.testing import check_friction, check_mechanism
-from stickslip.study.testing.suites import ORDINARY, slip_rates
+from stickslip.study import check_law
+from stickslip.study.testing import ORDINARY
 
 CHECKED = ("block-chain", "disc-brake", "two-feet")
 """Friction between bodies, on a turning body, and under an uneven load."""
@@ -16,23 +17,19 @@ CHECKED = ("block-chain", "disc-brake", "two-feet")
 
 @pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
 def test_every_law_passes_the_suite_for_laws(kind):
-    report = check_friction(example_of(kind))
-    assert report.ok, report
+    check_law(example_of(kind))
 
 
 @pytest.mark.parametrize("name", quick(SHOWN, *EXAMPLES))
 def test_every_mechanism_passes_the_suite_for_mechanisms(name):
-    report = check_mechanism(SHOWN[name], t_end=0.8)
-    assert report.ok, report
+    assert faults_of(SHOWN[name], t_end=0.8) == {}
 
 
 @pytest.mark.parametrize("draws", [2, pytest.param(5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", quick(SEVERAL, *CHECKED))
 def test_mechanisms_with_several_contacts_pass_the_suite_too(name, draws):
     law = Coulomb(kinetic_coefficient=0.3, static_coefficient=0.4)
-    report = check_mechanism(SEVERAL[name], law, draws=draws)
-    assert report.ok, report
-    assert "contacts name coordinates" in report.checks
+    assert faults_of(SEVERAL[name], law, draws=draws) == {}
 
 
 @pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)

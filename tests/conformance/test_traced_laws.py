@@ -12,7 +12,7 @@ from stickslip.friction import LAWS, bound
 from stickslip.maths import Latches
 from stickslip.mechanisms import given_inputs
 from stickslip.quantities import fields_of
-from stickslip.study.testing.suites import ORDINARY
+from stickslip.study.testing import ORDINARY
 
 FRACTIONAL = 1.5
 SPEEDS = [10.0 ** (i / 4) for i in range(-24, 5)]

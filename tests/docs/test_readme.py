@@ -90,6 +90,26 @@ def test_commands_print_the_lines_that_are_shown(
         assert printed.split()[: len(shown.split())] == shown.split()  # lines are as wide as a page
 
 
+@pytest.mark.slow
+def test_the_commands_work_in_their_order_in_an_empty_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    commands = []
+    for kind, text in BLOCKS:
+        if kind == "csv":
+            Path("friction.csv").write_text(text, encoding="utf-8")
+        if kind in ("sh", "console"):
+            commands += re.findall(r"^(?:\$ )?stickslip (.*?)(?: +#.*)?$", text, re.MULTILINE)
+    assert {"demo", "select friction.toml"} <= {*commands}
+    for arguments in commands:
+        with pytest.raises(SystemExit) as left:
+            main(shlex.split(arguments))
+        assert not left.value.code, arguments
+    assert Path("demo-report/index.html").is_file()
+    assert Path("friction-report/index.html").is_file()
+
+
 @for_all(sorted(set(LINK.findall(README))))
 def test_a_link_of_the_readme_leads_to_a_file(target: str) -> None:
     assert (ROOT / target).is_file()

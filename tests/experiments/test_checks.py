@@ -8,7 +8,7 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, check, fit, load_measurement
 from stickslip.data import Checks, Finding, guess_data, inertia_of, read_data, refuse_faults
-from stickslip.data.checking.data_quality import independent
+from stickslip.data.checking.data_quality import independent, jumps
 from stickslip.data.tolerances import LISTED
 from stickslip.errors import InputError
 from stickslip.mechanisms import as_rotary
@@ -856,3 +856,35 @@ def test_measured_records_without_drift_are_not_flagged(data_dir):
 def test_two_quantities_of_one_run_are_no_repeats():
     checks = check(Measurement(travel=0.2, velocity=0.1, uncertainty={"travel": 1e-3}))
     assert checks.sentences[0].startswith("2 readings at 1 setting, no repeats.")
+
+
+COUNT = 7.7e-3  # [m]
+
+
+def coarse(case):
+    """Return positions of a coarse sensor, and their times."""
+    rng = np.random.default_rng(5)
+    t = np.arange(3000) / 1000
+    x = np.round(0.05 * np.sin(2 * t) / COUNT) * COUNT
+    if case == "another grid":
+        return t + 3e-4, np.interp(t + 3e-4, t, x)
+    if case == "uneven lines":
+        lines = np.cumsum(COUNT * (1 + 0.05 * rng.normal(size=100))) - 50 * COUNT
+        return t, lines[np.searchsorted(lines, 0.2 * np.sin(2 * t))]
+    return t, x + 1e-6 * rng.normal(size=t.size) * (case == "noise")
+
+
+@pytest.mark.parametrize("case", ["plain", "noise", "another grid", "uneven lines"])
+def test_a_step_of_a_coarse_sensor_is_no_jump(case):
+    t, x = coarse(case)
+    record = Measurement(time=t, position=x, force=np.sin(t))
+    assert not [*jumps(record)]
+
+
+@pytest.mark.parametrize(
+    "lost", [lambda t, x: x + 0.3 * (np.floor(9 * t) % 2), lambda t, x: np.mod(60 * t, 2 * np.pi)]
+)
+def test_a_body_that_moves_between_its_jumps_has_no_coarse_sensor(lost):
+    t = np.arange(3000) / 1000
+    record = Measurement(time=t, position=lost(t, 0.05 * np.sin(2 * t)), force=np.sin(t))
+    assert len([*jumps(record)]) > 5

@@ -1040,9 +1040,9 @@ GUESSED = [
         "silent": "no unit"}) for name in ("v (mm/s)", "V", "v")),
     ("t,x", "MU", {"position": "x", "force": None},
      {"doubts": ["with 10 s between samples: if it counts ms, give --unit time=ms",
-                 "give --unit position=um"]}),
+                 "if it is in mm or um, give its unit, as --unit position=mm"]}),
     ("t;n", "tC", {"time": "t", "velocity": "n"},
-     {"doubts": ["m/s: if it is in rpm, give --unit velocity=rpm"]}),
+     {"doubts": ["m/s: if it is in mm/s or rpm, give its unit, as --unit velocity=mm/s"]}),
     ("epoch;x;force", "ExF", {"time": "epoch", "position": "x", "force": "force"},
      {"reasons": {"time": "column 'epoch' in ms, as its numbers count from 1970;"}}),
     ("[ms] time;(mm) pos;[N] force", "txF", {"velocity": None},
@@ -1175,3 +1175,121 @@ def test_columns_are_guessed_by_names_units_and_values(tmp_path, heads, kinds, f
         assert any(re.search(said, doubt) for doubt in guess.doubts)
     if "silent" in more:
         assert not any(more["silent"] in doubt for doubt in guess.doubts)
+
+
+ODD = "\n".join(f"{t:.2f};{x:.6f};{2 * y:.6f}" for t, x, y in zip(T, X, F / 40, strict=True))
+
+
+@pytest.mark.parametrize("odd", ["rad.s", "LSB"])
+@pytest.mark.parametrize(
+    "head", ["Zeit;Winkel;Moment\ns;rad;{}", "Zeit [s];Winkel [rad];Moment [{}]"]
+)
+@pytest.mark.parametrize("preface", ["", "2026-03-02 10:11:12.5\n", "Halle;Achse;Bediener\n"])
+def test_what_is_no_unit_is_named_and_leaves_the_names_of_the_columns(tmp_path, odd, head, preface):
+    path = tmp_path / "a.csv"
+    path.write_text(f"{preface}{head.format(odd)}\n{ODD}\n")
+    guess = guess_data(path)
+    assert guess.columns == {"time": "Zeit", "position": "Winkel", "force": "Moment"}
+    assert guess.doubts == (
+        f"{odd!r} is no unit: give it, as --unit force=Nm; N m is assumed for the force.",
+    )
+    record = load_measurement(
+        path, columns=guess.columns, units=guess.units, layout=guess.layout, repair=guess.repair
+    )
+    np.testing.assert_allclose(record.force, F / 20, atol=1e-6)
+    guess = guess_data(path, units={"force": "mNm"})
+    assert not guess.doubts
+
+
+def test_names_of_one_letter_that_are_units_too_are_names(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(f"Rig;Operator;Comment\nt;x;F\n{ODD}\n")
+    assert guess_data(path).columns == {"time": "t", "position": "x", "force": "F"}
+
+
+@pytest.mark.parametrize("header", ["velocity measured [Hz]", "Drehzahl (Hz)", "speed_Hz"])
+def test_hertz_of_a_rotation_are_revolutions_a_second(tmp_path, header):
+    path = tmp_path / "a.csv"
+    path.write_text(f"t [s];{header};torque [N m]\n{ODD}\n")
+    guess = guess_data(path)
+    assert guess.turning
+    record = load_measurement(path, columns=guess.columns, units=guess.units)
+    np.testing.assert_allclose(record.velocity, 2 * np.pi * X, atol=1e-5)
+
+
+def test_a_frequency_is_no_velocity_by_its_unit(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(f"t [s];angle [rad];f0 [Hz]\n{ODD}\n")
+    assert "velocity" not in guess_data(path).columns
+
+
+@pytest.mark.parametrize(("size", "doubted"), [(42.0, True), (6.0, False)])
+def test_an_angle_of_more_than_a_turn_without_a_unit_may_be_in_degrees(tmp_path, size, doubted):
+    path = tmp_path / "a.csv"
+    text = "".join(f"{t:.2f};{size / 6 * x:.6f};{f:.6f}\n" for t, x, f in zip(T, X, F, strict=True))
+    path.write_text(f"t [s];Winkel;Moment [N m]\n{text}")
+    said = [doubt for doubt in guess_data(path).doubts if "Winkel" in doubt]
+    assert len(said) == 1
+    assert ("--unit position=deg" in said[0]) is doubted
+
+
+def topics(path, names="__time,/joint/position,/joint/velocity,/cmd/torque", every=3):
+    """Write rows of two topics, each with times of its own; return the torques that then act."""
+    moved = [(t, f"{x:.6f},{6 * x:.6f},") for t, x in zip(T, X, strict=True)]
+    told = [(t + 0.0013, f",,{f:.6f}") for t, f in zip(T[::every], F[::every], strict=True)]
+    cells = "".join(f"{t:.4f},{row}\n" for t, row in sorted(moved + told))
+    path.write_text(f"{names}\n{cells}")
+    return F[::every][np.maximum(np.arange(N) - 1, 0) // every]
+
+
+def test_a_command_in_rows_of_its_own_holds_until_the_next(tmp_path):
+    path = tmp_path / "log.csv"
+    acting = topics(path)
+    guess = guess_data(path)
+    assert guess.repair == ("hold", "gaps")
+    assert any("'/cmd/torque' are others than those of the motion" in x for x in guess.doubts)
+    record = load_measurement(path, columns=guess.columns, repair=guess.repair)
+    np.testing.assert_allclose(record.time, T[1:], atol=1e-9)  # before the first nothing is known
+    np.testing.assert_allclose(record.force, acting[1:], atol=1e-6)
+    np.testing.assert_allclose(record.position, X[1:], atol=1e-6)
+    assert 'repair = ["hold", "gaps"]' in guessed_rig(guess, tmp_path / "rig.toml")
+
+
+def test_a_force_measured_in_some_of_the_rows_is_not_held(tmp_path):
+    path = tmp_path / "log.csv"
+    cells = [f"{f:.6f}" if k % 5 == 0 else "" for k, f in enumerate(F)]
+    body = "".join(f"{t:.2f},{x:.6f},{f}\n" for t, x, f in zip(T, X, cells, strict=True))
+    path.write_text(f"time [s],position [m],force [N]\n{body}")
+    guess = guess_data(path)
+    assert guess.repair == ("gaps",)
+    assert any("Only 240 rows of 1,200" in doubt for doubt in guess.doubts)
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Zeit [s] Winkel [rad] Moment [N m]", "Zeit (s) Winkel(rad) Moment [N m]", "t Winkel [rad] M"],
+)
+def test_a_blank_before_a_bracket_parts_no_names(tmp_path, header):
+    path = tmp_path / "a.txt"
+    path.write_text(f"Prüfstand 3\n{header}\n{ODD.replace(';', ' ')}\n")
+    guess = guess_data(path)
+    record = load_measurement(
+        path, columns=guess.columns, units=guess.units, layout=guess.layout, repair=guess.repair
+    )
+    np.testing.assert_allclose(record.position, X, atol=1e-6)
+    np.testing.assert_allclose(record.force, F / 20, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("resting", "joint", "said"), [(1e-4, "2", ", the first that moves"), (0.5, "1", "")]
+)
+def test_a_joint_that_rests_while_another_moves_is_not_offered(tmp_path, resting, joint, said):
+    path = tmp_path / "a.csv"
+    noise = resting * np.random.default_rng(3).normal(size=N)
+    body = rows((T, noise, X, 0 * T + 0.1, F), ",", lambda value: f"{value:.6f}")
+    path.write_text(f"time,q1,q2,tau1,tau2\n{body}")
+    guess = guess_data(path)
+    assert guess.columns["position"] == f"q{joint}"
+    assert guess.columns["force"] == f"tau{joint}"
+    assert any(f"of joint {joint} alone{said}. For another" in doubt for doubt in guess.doubts)
+    assert guess_data(path, columns={"position": "q1"}).columns["force"] == "tau1"

@@ -96,6 +96,62 @@ def test_channels_of_a_scope_with_one_name_are_told_apart_by_their_symbols(tmp_p
     assert guess.columns["position"] in {"MAIN.Axis1.Pos", "MAIN.ActPos"}
 
 
+# --- traces of CODESYS
+
+
+def trace(channels, flags=16):
+    """Return a trace: names of variables, their times in units of a clock, and values."""
+    lines = ["[key]; [value]", "Version; 0x03050000", f"Flags; {flags}"]
+    for k, (name, times, values) in enumerate(channels):
+        lines += [f"{k}.Variable; {name}", f"{k}.Class; 14", f"{k}.Data; "]
+        lines += [f"; {t:.0f}; {x:.9g}" for t, x in zip(times, values, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(("flags", "per"), [(16, 1e3), (20, 1e3), (32, 1e6)])
+def test_each_variable_of_a_trace_is_a_column_by_the_clock_of_its_flags(tmp_path, flags, per):
+    path = tmp_path / "axis.trace.csv"
+    channels = [("Axis.fActPosition", X), ("Axis.fActForce", F)]
+    path.write_text(trace([(name, per * T + 2, x) for name, x in channels], flags))
+    guess, record = read(path)
+    assert guess.columns["position"] == "Axis.fActPosition"
+    assert record.time - record.time[0] == pytest.approx(T - T[0], abs=1e-9)
+    assert record.position == pytest.approx(X, abs=1e-8)
+    assert record.force == pytest.approx(F, rel=1e-7)
+
+
+def test_a_trace_that_does_not_say_in_what_it_counts_asks_for_the_unit_of_time(tmp_path):
+    path = tmp_path / "axis.trace.csv"
+    path.write_text(trace([("A.fPos", 1e3 * T, X), ("A.fForce", 1e3 * T, F)], flags=0))
+    doubts = "\n".join(guess_data(path).doubts)
+    assert "has no unit: s is assumed for the time" in doubts
+    assert "--unit time=ms" in doubts
+
+
+def test_slower_and_empty_variables_of_a_trace_are_told(tmp_path):
+    path = tmp_path / "axis.trace.csv"
+    path.write_text(
+        trace([("A.fPos", 1e3 * T, X), ("A.fForce", 1e3 * T[::2], F[::2]), ("A.bOn", [], [])])
+    )
+    guess, record = read(path)
+    assert "Without rows, and not read: 'A.bOn'." in guess.doubts
+    assert record.force == pytest.approx(F[::2], rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[key]; [value]\n0.Variable; x\n0.Data; \n", "has no rows below the variables of a tr"),
+        ("0.Variable; x\n0.Data; \n; zehn; 1\n; 2; 1\n", "'zehn' is not a time of .*'x'"),
+    ],
+)
+def test_a_damaged_trace_is_refused_in_one_line(tmp_path, text, message):
+    path = tmp_path / "axis.trace.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message):
+        guess_data(path)
+
+
 # --- LabVIEW
 
 
@@ -291,6 +347,19 @@ def test_a_sheet_is_read_as_if_it_had_been_saved_as_text(tmp_path, rows):
     assert record.position == pytest.approx(X)
     assert record.force == pytest.approx(F)
     assert guess.doubts[0] == "The sheet 'Daten' is read; 'Info' is not."
+
+
+@pytest.mark.parametrize("units", [True, False])
+def test_names_that_stand_twice_in_a_sheet_are_numbered(tmp_path, units):
+    names = ["time", "Weg", "Kraft", "Kraft"]
+    head = [[f"{n} [{u}]" for n, u in zip(names, ("s", "mm", "N", "N"), strict=True)]]
+    head = [names, ["s", "mm", "N", "N"]] if units else head
+    path = workbook(tmp_path / "a.xlsx", {"Daten": [*head, *([*row, -row[2]] for row in ROWS)]})
+    guess, record = read(path)
+    assert record.force == pytest.approx(F)
+    assert guess.doubts[0] == "Names that stand twice are numbered: 'Kraft (2)'."
+    other = load_measurement(path, columns={**guess.columns, "force": "Kraft (2)"})
+    assert other.force == pytest.approx(-F)
 
 
 def test_a_workbook_without_a_table_names_its_sheets(tmp_path):

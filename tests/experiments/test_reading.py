@@ -444,7 +444,7 @@ def test_signals_of_simulink_are_known_by_their_labels(folder, count, save):
     ]
     content = {"time": TIME[:, None], "signals": struct_array(signals[:count]), "blockName": "m"}
     save("data.mat", {"out": content})
-    columns = {"time": "out.time", "position": "mux(2)" if count == 2 else "angle"}
+    columns = {"time": "out.time", "position": "mux 2" if count == 2 else "angle"}
     record = load_measurement("data.mat", columns=columns)
     np.testing.assert_array_equal(record.position, (-1.0) ** (count - 1) * POSITION)
 
@@ -453,8 +453,19 @@ def test_signals_of_simulink_are_known_by_their_labels(folder, count, save):
 def test_a_matrix_of_signals_is_read_by_its_rows(folder, save):
     t = np.arange(0.0, 2.0, 0.01)
     save("data.mat", {"data": np.vstack([t, np.sin(t)])})
-    record = load_measurement("data.mat", columns={"time": "data(1)", "position": "data(2)"})
+    record = load_measurement("data.mat", columns={"time": "data 1", "position": "data 2"})
     np.testing.assert_array_equal(record.position, np.sin(t))
+
+
+@EITHER
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_matrix_of_signals_is_read_beside_a_vector_of_their_times(folder, save, turned):
+    out = np.column_stack([POSITION, 2 * POSITION])
+    save("data.mat", {"time": TIME[:, None], "out": out.T if turned else out, "K": np.eye(3)})
+    record = load_measurement("data.mat", columns={"position": "out 2"})
+    np.testing.assert_array_equal(record.position, 2 * POSITION)
+    with pytest.raises(InputError, match=r"the columns are 'time', 'out 1', 'out 2'\. Name it"):
+        guess_data("data.mat")
 
 
 # What a file holds and a table has not.
@@ -565,7 +576,7 @@ def test_cells_of_matrices_are_trials_with_their_columns(tmp_path, newer):
         cell = np.empty((1, 2), dtype=object)
         cell[0, :] = parts
         savemat(path, {"run": cell, "rate": 100.0})
-    read = load_measurement(path, columns={"time": "run(1)", "position": "run(2)"})
+    read = load_measurement(path, columns={"time": "run 1", "position": "run 2"})
     assert [trial.time.size for trial in read.trials] == [300, 250]
     for trial, part in zip(read.trials, parts, strict=True):
         np.testing.assert_array_equal(trial.position, part[:, 1])

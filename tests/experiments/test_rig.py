@@ -645,6 +645,12 @@ def test_errors_are_of_the_kind_that_fits(read):
         read(f"{SPRING}mass = -1")
 
 
+@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
+def test_a_type_of_friction_is_said_to_be_the_name_of_its_table(read, law):
+    with pytest.raises(ParameterError, match=rf"friction\.type: .* under \[friction\.{law}\]"):
+        read(f'{MECHANISM}[friction]\ntype = "{law}"\nkinetic_coefficient = 0.2')
+
+
 # --- files that cannot be read
 
 

@@ -18,7 +18,7 @@ from stickslip.maths import Latches, latched
 from stickslip.mechanisms import given_inputs
 from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import fields_of
-from stickslip.study.characterization.battery import moved_at
+from stickslip.study.presliding import moved_at
 
 CURVE = {
     "kinetic_coefficient": 1.0,

@@ -82,7 +82,7 @@ def test_motors_and_lengths_are_found_though_forces_are_not_linear_in_them(case,
 @pytest.mark.parametrize("names", [("mass", "centre"), ("rotor_inertia", "gear_ratio")])
 def test_parameters_that_do_the_same_to_all_forces_are_refused_by_name(names, measured):
     paths = [f"mechanism.links.0.{name}" for name in names]
-    message = f"does not tell {paths[0]} and {paths[1]} apart: fix one of them"
+    message = f"cannot distinguish {paths[0]} and {paths[1]}: fix one of them"
     with pytest.raises(InputError, match=message):
         fit(SERIAL, BOTH, measured, vary=["friction.*", *paths], settings=QUICK)
 

@@ -284,23 +284,6 @@ def test_friction_against_the_pull_is_refused():
         fit(machine, "rate-and-state", record)
 
 
-def test_a_body_that_friction_holds_is_not_blamed_on_the_sign_of_its_force():
-    """Its deflection is that of a spring, and looks like a negative inertia."""
-    time, noise = np.arange(5000) / 500, np.random.default_rng(1).normal(size=(2, 5000))
-    parts = ((1.0, 0.2), (0.1, 1.0), (0.01, 5.0))
-    position = 1e-4 * sum(a * np.sin(2.0 * np.pi * f * time + f) for a, f in parts)
-    force = 1e5 * position + 0.01 * noise[1]
-    record = Measurement(time=time, position=position + 1e-8 * noise[0], force=force)
-    axis = Axis(inertia=5.0)
-    verdict = select(axis, None, record, vary=["friction.*", "mechanism.inertia"])
-    # whichever law is closest, friction is not distinguished from zero, and the spring is stated
-    assert verdict.best is None
-    assert "opposite sign" not in verdict.words.verdict
-    assert "spring of 100,000 N/m" in " ".join(verdict.words.cannot_tell)
-    inertia = next(one for one in verdict.parameters if one.path == "mechanism.inertia")
-    assert inertia.low < 0.0 < inertia.high < 2.0
-
-
 @pytest.mark.parametrize(
     ("law", "choice", "cause"),
     [

@@ -68,7 +68,7 @@ def test_a_level_that_rises_is_found_and_said_with_its_ends():
     assert not found.shared
     first = found.sentences[0]
     assert first.startswith("The trials do not share one law (probability ")
-    assert "): mu_k rises from 5." in first
+    assert "): F_c rises from 5." in first
     assert "at 20 °C to 5." in first
     assert first.endswith("at 70 °C.")
     (level,) = (line for line in found.lines if line.path == "friction.kinetic_coefficient")
@@ -119,7 +119,7 @@ def test_each_trial_has_its_own_estimates_with_intervals():
         assert one.law.kinetic_coefficient == level.value
     table = found.to_dataframe()
     assert table["temperature [degC]"].tolist() == [20.0, 40.0, 60.0]
-    assert {"mu_k", "mu_k low", "mu_k high", "sigma_2", "leaves"} <= set(table.columns)
+    assert {"F_c", "F_c low", "F_c high", "sigma_2", "leaves"} <= set(table.columns)
     plain = json.loads(json.dumps(found.to_dict()))
     assert plain["share_one_law"] is False
     assert plain["lines"][0]["condition"] == "temperature [degC]"
@@ -133,7 +133,7 @@ def test_a_text_is_a_condition_whose_values_are_compared():
         for i, word in enumerate(words)
     ]
     found = compared(Measurement(trials=tuple(trials)))
-    assert "mu_k is 5" in found.sentences[0]
+    assert "F_c is 5" in found.sentences[0]
     assert "(lubrication)" in found.sentences[0]
     assert "for 'dry' and " in found.sentences[0]
     assert "for 'oil'" in found.sentences[0]

@@ -32,8 +32,7 @@ def test_a_line_that_was_not_ended_is_judged_again(tmp_path):
 
 def test_a_band_that_misses_the_truth_by_three_noises_is_a_false_statement():
     row = {"intervals": [], "accused": ["delay"], "set": 1, "gain": 0.0, "right": False,
-           "equal": False, "error": 1.4, "named": "level", "out": 3.0, "hidden": False,
-           "doubts": []}  # fmt: skip
+           "equal": False, "error": 1.4, "named": "level", "out": 3.0, "doubts": []}  # fmt: skip
     assert len(list(bands._false(None, row))) == 3
 
 

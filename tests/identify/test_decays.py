@@ -68,7 +68,7 @@ def test_points_of_a_decay_are_forces(verdict):
 
 
 def test_a_run_of_the_law_follows_the_decay(verdict):
-    (said,) = (line for line in verdict.words.cannot_tell if "A run of the law" in line)
+    (said,) = (line for line in verdict.words.cannot_tell if "A simulation with the law" in line)
     left = verdict.judgement.problem.followed(verdict.judgement.named)
     assert left == pytest.approx(0.3 * NOISE, rel=0.1)
     assert "rad" in said

@@ -237,7 +237,7 @@ def test_a_joint_that_rests_is_said_and_the_other_judged():
     given = replace(sound, joints={}, position=still, force=parts(sound)[2])
     found = select(ARM, ["coulomb-viscous"], given)
     assert found.resting == ("elbow",)
-    assert "Elbow: at rest, so nothing tells its friction." in found.sentence
+    assert "Elbow: at rest, so its friction is unknown." in found.sentence
     assert [*found.joints] == ["shoulder"]
 
 

@@ -35,7 +35,7 @@ def test_readings_that_tell_laws_apart_leave_one_and_others_do_not():
 
     def said(first, second, mass=0.0):
         laws = [(0.5, near, first), (0.5, far, second), (mass, none, none)]
-        return rehearsed(laws, np.eye(1), np.zeros(1), 0.0, 100.0)
+        return rehearsed(laws, np.eye(1), (np.zeros(1),) * 2, 0.0, 100.0)
 
     (widths, alone), (same, never) = said(near, far), said(near, near)
     assert np.mean(alone) > 0.8
@@ -49,7 +49,9 @@ def test_noise_that_is_not_known_scatters_the_width():
     random = np.random.default_rng(3)
     level = random.normal(size=(300, 1))
     laws = [(1.0, level, level), (0.0, level, level)]
-    known, doubtful = (rehearsed(laws, np.eye(1), np.zeros(1), x, 100.0)[0] for x in (0.0, 0.3))
+    known, doubtful = (
+        rehearsed(laws, np.eye(1), (np.zeros(1),) * 2, x, 100.0)[0] for x in (0.0, 0.3)
+    )
     assert np.ptp(np.log(known)) < 1e-9
     assert np.std(np.log(doubtful)) == pytest.approx(0.3, rel=0.15)
 

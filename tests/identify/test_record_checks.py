@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.identify.bands import Array
 from stickslip.identify.problems.record_checks import refuse_wrong_signs
 from stickslip.identify.problems.record_model import RecordModel, force_wave
-from stickslip.identify.problems.record_rows import by_best_sensor
+from stickslip.identify.problems.record_rows import RESTS, by_best_sensor, pieces_of
 from stickslip.identify.problems.record_signals import Record, noise_of
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -94,7 +94,7 @@ def test_a_wrong_sign_is_refused_of_a_motion_in_one_direction(inertia):
     refused(t, x, force, inertia=inertia)
     with pytest.raises(InputError, match="friction would drive the motion"):
         refused(t, x, -force, inertia=inertia)
-    with pytest.raises(InputError, match=r"sign of the force changes at about t = (9|10)\.\d"):
+    with pytest.raises(InputError, match=r"sign of the force changes at about t = (9\.\d|10)"):
         refused(t, x, np.where(t > 10.0, -force, force), inertia=inertia)
 
 
@@ -107,6 +107,38 @@ def test_a_block_that_is_pulled_one_way_with_friction_that_falls_is_not_refused(
     force = np.where(v > 0.0, 3.0 + np.exp(-v / 0.02), 3.2)  # the spring stays stretched at rest
     noisy = force + 0.03 * rng.normal(size=len(t))
     refused(t, x + 2e-5 * rng.normal(size=len(t)), noisy, inertia=inertia)
+
+
+def pulled(slope, stiffness, gain, *, seconds=10.0, turns=False):
+    """Return times, positions and forces of stick-slip in a soft loop that follows a ramp."""
+    rng, h = np.random.default_rng(350), 5e-4
+    x = v = added = 0.0
+    result = []
+    for k in range(int(seconds / h)):
+        t = k * h
+        goal = slope * (t if not turns else 2.5 - abs(t % 5.0 - 2.5))
+        added += gain * (goal - x) * h
+        force = stiffness * (goal - x) + added
+        level = 4.0 + 4.4 * math.exp(-min((v / 0.005) ** 2, 50.0))
+        moves = v != 0.0 or abs(force) > level
+        side = math.copysign(1.0, v if v else force)
+        after = v + h * (force - side * level) / 1.5 if moves else 0.0
+        v = 0.0 if after * side <= 0.0 else after
+        x += h * v
+        if k % 10 == 0:
+            result.append((t, x, force))
+    t, x, force = np.array(result).T
+    return t, x, force + 0.05 * rng.normal(size=len(t))
+
+
+def test_stick_slip_in_a_soft_loop_is_not_refused_and_is_where_its_sign_changes():
+    few = pulled(0.0058, 111.0, 33.0, seconds=11.0)  # 97 % of it rests
+    refused(*few)
+    refused(*few, inertia=1.5)
+    t, x, force = pulled(0.2, 80.0, 0.0, turns=True)
+    refused(t, x, force)
+    with pytest.raises(InputError, match=r"sign of the force changes at about t = (4|5)\.\d"):
+        refused(t, x, np.where(t > 5.0, -force, force))
 
 
 def test_a_cogging_force_that_moves_the_body_has_its_wave_number():
@@ -143,28 +175,6 @@ def test_steps_of_an_encoder_that_a_file_rounds_are_its_noise():
     x = np.concatenate([np.zeros(5 * len(t)), x - x[0]])  # in most twentieths it rests
     read = np.round(np.round(x / step) * step, 6)
     assert noise_of(read) == pytest.approx(step / np.sqrt(12.0), rel=0.01)
-
-
-def test_a_spring_that_relaxes_is_told_from_friction():
-    def hose(t, x, v):
-        keep = np.exp(-1.0 / RATE / 0.4)
-        return 4.0 * lfilter([0.4 * (1.0 - keep)], [1.0, -keep], v)
-
-    t, x, force = driven(7, extra=hose)
-    found = select(
-        Axis(inertia=INERTIA),
-        None,
-        Measurement(time=t, position=x, force=force, turning=True),
-        vary=["friction.*", "mechanism.inertia"],
-        route="balance",
-    )
-    (spring,) = (one for one in found.findings if one.term == "relaxing")
-    assert spring.asserted
-    assert any("as that of a hose, a cable" in line for line in found.words.cannot_tell)
-    band = found.band([2.0])
-    assert band.low[0] < LEVEL + 2.0 * VISCOUS < band.high[0]
-    (inertia,) = (x for x in found.parameters if x.path == "mechanism.inertia")
-    assert inertia.low_any < INERTIA < inertia.high_any
 
 
 def test_a_known_constant_force_is_no_friction():
@@ -214,6 +224,19 @@ def test_a_force_that_acts_late_is_a_delay_and_no_inertia():
     assert inertia.low_any < INERTIA < inertia.high_any
 
 
+def test_a_body_that_travels_far_in_short_slips_does_not_rest():
+    # a slip of 2 frames in 13, as a camera sees a body that a weight kicks
+    rng, frame = np.random.default_rng(3), np.arange(780)
+    x = 1e-3 * (frame // 13 + np.clip(frame % 13 - 10, 0, 2) / 2.0)
+    film = Record(
+        time=frame / 120.0, position=x + 5e-5 * rng.normal(size=len(x)), force=1.0 + 0 * x
+    )
+    (piece,), _ = pieces_of([film])
+    assert np.any(piece.usable(piece.cutoff))
+    with pytest.raises(InputError, match=RESTS[:24]):
+        pieces_of([Record(time=film.time, position=film.position - x, force=film.force)])
+
+
 def test_velocities_that_are_later_than_positions_are_not_taken() -> None:
     rng, t = np.random.default_rng(4), np.arange(0.0, 20.0, 0.01)
     x = np.sin(2.0 * t) + 0.3 * np.sin(5.0 * t) + 1e-4 * rng.normal(size=len(t))
@@ -245,3 +268,14 @@ def test_velocities_are_kept_where_positions_are_wrong(wrong: Callable[[Array], 
     read = v + 1e-5 * rng.normal(size=len(t))
     record = Record(time=t, position=wrong(x), force=force, velocity=read)
     assert by_best_sensor([record])[0].velocity is not None
+
+
+def test_the_start_of_a_motion_in_one_direction_is_used_from_two_lengths_of_the_filter():
+    rng, t = np.random.default_rng(4), np.arange(0.0, 4.0, 0.003)
+    v = 30.0 * (1.0 - np.exp(-t / 0.15))
+    x = np.round(30.0 * (t + 0.15 * np.exp(-t / 0.15)), 4)
+    force = 8e-4 * (30.0 - v) / 0.15 + 0.05 + 0.0052 * v + 0.02 * rng.normal(size=len(t))
+    (piece,), _ = pieces_of([Record(time=t, position=x, force=force, inertia=8e-4)])
+    first = t[np.argmax(piece.usable(piece.cutoff))]
+    assert first <= 2.0 / piece.cutoff + 2.0 * piece.step
+    assert first < 0.02 * t[-1]

@@ -86,13 +86,6 @@ def test_a_memory_is_named_with_its_length():
     assert found["kinetic_coefficient"] / found["bristle_stiffness"] == pytest.approx(0.02, rel=0.1)
 
 
-def test_a_spring_beside_is_a_force_that_changes_with_the_place():
-    judgement = judged(spring=0.4)
-    (place,) = (one for one in judgement.findings if one.term == "force")
-    assert place.asserted
-    assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.02)
-
-
 def test_a_mirrored_record_has_the_same_law():
     one, other = judged(), judged(mirrored=True)
     assert one.family == other.family
@@ -139,21 +132,18 @@ def test_weight_of_a_pendulum_is_no_friction():
     assert record.inertia == pytest.approx(0.2 * 0.5**2)
 
 
-def sines(seed: int, *, inertia: float = INERTIA, relaxation: float = 1.0):
-    """Return times, positions, forces of a plain axis, and the stretch of a relaxing spring."""
+def sines(seed: int, *, inertia: float = INERTIA):
+    """Return times, positions and forces of a plain axis."""
     random = np.random.default_rng(seed)
     t = np.arange(0.0, 8.0, 0.002)
-    x, v, a, hose = np.zeros((4, len(t)))
+    x, v, a = np.zeros((3, len(t)))
     for f in (0.31, 0.73, 1.1):
         w, phase, size = 2.0 * np.pi * f, random.uniform(0.0, 6.0), random.uniform(0.2, 0.5)
         x += size * np.sin(w * t + phase)
         v += size * w * np.cos(w * t + phase)
         a -= size * w**2 * np.sin(w * t + phase)
-        late, gain = np.arctan(w * relaxation), w * relaxation / np.hypot(1.0, w * relaxation)
-        hose += size * gain * np.cos(w * t + phase - late)
-    hose -= hose[0] * np.exp(-t / relaxation)
     force = inertia * a + LEVEL * np.sign(v) + VISCOUS * v
-    return t, x + 3e-5 * random.normal(size=len(t)), force, hose
+    return t, x + 3e-5 * random.normal(size=len(t)), force
 
 
 def noisy(force, seed=5):
@@ -161,25 +151,12 @@ def noisy(force, seed=5):
 
 
 def test_gain_of_the_force_scale_of_the_position_and_inertia_are_one_group():
-    t, x, force, _ = sines(2)
+    t, x, force = sines(2)
     record = Record(time=t, position=x, force=noisy(1.3 * force), inertia=INERTIA)
     (wrong,) = Judgement(RecordProblem([record])).findings
     assert wrong.term == "inertia_given"
     assert 1.0 + wrong.size == pytest.approx(1.3, rel=0.02)
     assert "or the gain of the force or a unit of length is wrong" in wrong.sentence
-
-
-def test_a_relaxing_spring_stands_alone_though_its_time_is_between_those_of_the_terms():
-    t, x, force, hose = sines(3, relaxation=0.4)
-    judgement = Judgement(
-        RecordProblem([Record(time=t, position=x, force=noisy(force + 2 * hose))])
-    )
-    assert judgement.family == ("level", "viscous")
-    assert [one.term for one in judgement.findings if one.asserted] == ["relaxing"]
-    rows = judgement.problem.asked()
-    band = judgement.band(rows)
-    true = LEVEL * np.sign(rows.velocity) + VISCOUS * rows.velocity
-    assert np.mean((band.low <= true) & (true <= band.high)) > 0.9
 
 
 def test_a_gear_takes_a_share_of_what_it_transmits():

@@ -310,6 +310,32 @@ def test_lengths_in_the_wrong_unit_are_said_and_change_no_level(factor):
     assert_holds(verdict, {"forward_kinetic_coefficient": 4.5})
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("level", "power", "base", "said"),
+    [
+        (0.9, 0.7, 0.0, "with the load to the power 0.7"),
+        (0.4, 1.0, 4.0, "with a level that no load changes"),
+        (0.3, 1.25, 0.0, "with the load to the power 1."),
+        (0.9, 1.0, 0.0, ""),
+    ],
+)
+def test_how_levels_follow_a_load_that_changes_along_a_record_is_named(level, power, base, said):
+    random, t = np.random.default_rng(11), np.arange(900) / 150.0
+    x = 0.02 * np.sin(2.2 * t) + 0.008 * np.sin(7.0 * t) + 0.003 * np.sin(15.0 * t)
+    v, load = np.gradient(x, t), 20.0 + 14.0 * np.sin(2.3 * t + 1.0)
+    friction = np.sign(v) * (level * load**power + base) + 6.0 * v
+    friction += 0.02 * friction.std() * random.normal(size=len(t))
+    verdict = select(
+        Axis(inertia=1.0), None, Measurement(time=t, position=x, friction=friction, load=load)
+    )
+    assert said in verdict.sentence
+    assert ("load" in verdict.sentence) == bool(said)
+    for at in (8.0, 20.0, 32.0):
+        truth = level * at**power + base + 6.0 * 0.05
+        assert verdict.named_curve(np.array([0.05]), at)[0] == pytest.approx(truth, rel=0.02)
+
+
 def test_a_record_without_motion_decides_nothing():
     t = np.arange(0.0, 4.0, 0.01)
     still = Measurement(time=t, position=np.zeros(400), force=np.sin(t))
@@ -542,7 +568,7 @@ def test_mass_and_length_of_a_driven_pendulum_are_found_together():
 @pytest.mark.parametrize(
     ("gain", "mass", "viscous", "level"), [(10.0, 0.06, 0.25, 0.02), (100.0, 1.0, 4.0, 0.5)]
 )
-def test_a_controller_of_the_position_passes_for_no_spring_and_no_delay(gain, mass, viscous, level):
+def test_a_controller_of_the_position_passes_for_no_force_and_no_delay(gain, mass, viscous, level):
     """The force is a line over the position: a spring of negative stiffness would explain it."""
     resting, moving = 1000, 3000  # at 1 kHz
     z, v, positions, forces = 0.0, 0.0, [0.0] * resting, [0.0] * resting
@@ -564,27 +590,6 @@ def test_a_controller_of_the_position_passes_for_no_spring_and_no_delay(gain, ma
     assert found["inertia"].value == pytest.approx(mass, rel=0.005)
     assert found["viscous_coefficient"].value == pytest.approx(viscous, rel=0.05)
     assert found["kinetic_coefficient"].value == pytest.approx(level, rel=0.1)
-
-
-@pytest.mark.parametrize("stiffness", [-10.0, 10.0])
-def test_a_force_that_falls_with_the_position_is_no_wrong_inertia(stiffness):
-    """As of an arm above its pivot or a magnet: a spring of either sign, which nobody gave."""
-    t = np.arange(0.0, 10.0, 2e-3)
-    q = 0.4 * np.sin(1.9 * t) + 0.1 * np.sin(7.3 * t)
-    v = np.gradient(q, t)
-    noise = np.random.default_rng(4).normal(size=(2, len(t)))
-    torque = 0.5 * np.gradient(v, t) + stiffness * np.sin(q) + 2.0 * np.sign(v) + v
-    record = Measurement(
-        time=t, position=q + 1e-6 * noise[0], force=torque + 0.02 * noise[1], turning=True
-    )
-    verdict = select(Axis(inertia=0.5, rotary=True), None, record)
-    assert verdict.words.verdict.startswith("Use ")
-    assert not any(item.term == "inertia_given" and item.asserted for item in verdict.findings)
-    assert any("as that of a spring of" in item.sentence for item in verdict.findings)
-    v = np.array([0.2, 0.5, 0.9])
-    forward, back = (np.asarray(verdict.band(side * v).median) for side in (1.0, -1.0))
-    # where the spring is at rest is a constant beside friction
-    np.testing.assert_allclose(0.5 * (forward - back), 2.0 + v, rtol=0.02)
 
 
 def test_a_cart_is_judged_by_what_its_pendulum_does_to_it():

@@ -36,6 +36,15 @@ def test_a_band_that_holds_zero_is_said_to_reach_as_far_as_its_farther_end():
     assert "friction is within ± 0.6 N of zero" in band_sentence(SPEEDS, other, WORDS)
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_wide_band_that_excludes_zero_is_stated_by_its_ends(way):
+    low, high = np.full(9, 0.02), np.linspace(0.1, 0.6, 9)
+    ends = [way * low, way * high]
+    band = banded(np.minimum(*ends), way * np.full(9, 0.03), np.maximum(*ends))
+    assert "friction is 0.02 to 0.6 N (95 %" in band_sentence(way * SPEEDS, band, WORDS)
+    assert "of zero" in band_sentence(-way * SPEEDS, band, WORDS)  # it would drive the motion
+
+
 def test_few_places_are_listed_and_many_are_counted():
     proposal = Proposal(places=(0, 0, 1), shrinks=0.5)
     few = advice_sentence(proposal, ["1 m/s", "1 m/s", "2 m/s"])
@@ -46,16 +55,16 @@ def test_few_places_are_listed_and_many_are_counted():
     assert "4 m/s (2)" in said
     assert "halve" not in said
     more = advice_sentence(Proposal(places=(0,), shrinks=0.7, halves=12), ["1 m/s"])
-    assert more.endswith("70 % as wide; about 12 such readings would halve it.")
+    assert more.endswith("70 % of its width; about 12 such readings would halve it.")
     some = advice_sentence(Proposal(places=(0,), shrinks=0.7, least=0.42), ["1 m/s"])
-    assert some.endswith("70 % as wide.")
+    assert some.endswith("70 % of its width.")
     never = advice_sentence(Proposal(places=(0,), shrinks=0.7, least=0.6), ["1 m/s"])
-    assert never.endswith("even 300 such readings are not expected to halve it.")
+    assert never.endswith("even 300 such readings would not halve it.")
 
 
 def test_laws_that_are_not_told_apart_have_other_names(verdict):
     assert len(verdict.set) > 1
-    others = verdict.sentence.partition("distinguish it from ")[2]
+    others = verdict.sentence.partition("cannot rule out ")[2]
     assert others
     assert verdict.closest.title.lower() not in {text.strip(". ") for text in others.split(",")}
 
@@ -72,9 +81,14 @@ def test_the_page_says_nothing_twice(verdict):
 
 def test_the_table_of_laws_is_a_ladder(verdict):
     (table,) = laws_section(verdict).blocks
-    assert len(table.rows) == len(verdict.candidates)
-    counts = [int(row.cells[1]) for row in table.rows]
+    first, *others = table.rows[: len(verdict.candidates)]
+    assert [row.chosen for row in table.rows] == [True] + [False] * (len(table.rows) - 1)
+    assert first.cells[0].text == verdict.closest.title
+    counts = [int(row.cells[1]) for row in others]
     assert counts == sorted(counts)
+    shares = [row.cells[-1] for row in table.rows if not row.cells[-1].startswith("below")]
+    whole = sum(float(text.removesuffix(" %")) for text in shares)
+    assert whole == pytest.approx(100.0, abs=0.5 * len(table.rows))  # each rounded to two digits
     steps = verdict.ladder
     assert [one.count for one in steps] == sorted(one.count for one in steps)
     assert all(0.0 <= one.distance <= one.worst for one in steps)

@@ -95,7 +95,7 @@ def test_laws_that_have_the_same_three_features_are_not_ranked(verdict):
     assert isinstance(verdict, SimulatedVerdict)
     assert {verdict.best.name, *verdict.rivals} == {"coulomb", "stribeck"}
     assert not verdict.ranked
-    assert "do not distinguish it from" in verdict.sentence
+    assert "cannot rule out" in verdict.sentence
     assert verdict.words.no_score
     assert sum(one.share for one in verdict.candidates) == pytest.approx(1.0)
     assert any("over all laws that have it" in line for line in verdict.words.settles)

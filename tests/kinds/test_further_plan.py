@@ -10,9 +10,8 @@ from stickslip import Axis, Measurement, SpringBlock, load_measurement, plan, se
 from stickslip.data import Layout, Reading
 from stickslip.errors import InputError
 from stickslip.identify import FurtherPlan
-from stickslip.identify.kinds.plan_sheet import _settable
 from stickslip.identify.problems.table_model import Rows
-from stickslip.identify.selection import with_readings
+from stickslip.identify.selection import _settable, with_readings
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.tile(np.geomspace(0.01, 0.3, 6), 3)
@@ -74,6 +73,26 @@ def test_a_condition_that_the_readings_give_stands_once_in_the_table():
     further = FurtherPlan(verdict=None, lines=(), readings={"velocity": (0.1,)}, sheet=sheet)
     head = further.csv(Reading(conditions=("temperature",))).splitlines()[0]
     assert head.count("temperature") == 1
+
+
+@pytest.mark.slow
+def test_what_select_and_plan_expect_of_the_same_readings_is_one_number():
+    v = np.geomspace(0.01, 0.5, 14)
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=noisy(3.0 + 3.0 * v)))
+    further = plan(AXIS, None, verdict.measurement)
+    assert verdict.shrinks == further.widths[1] < 0.95
+    assert sorted(verdict.places) == sorted(further.readings["velocity"])
+
+
+@pytest.mark.slow
+def test_readings_while_friction_falls_are_expected_to_widen_the_band():
+    random, count = np.random.default_rng(4), 16
+    v = random.permutation(np.tile(np.geomspace(0.01, 0.5, 8), 2))
+    falling = (3.0 + 3.0 * v) * (1.0 - 0.15 * np.arange(count) / count)
+    table = Measurement(velocity=v, friction=falling * (1.0 + 0.01 * random.normal(size=count)))
+    assert plan(AXIS, None, table).sentence.startswith("Friction drifts")
+    # a fall of 30 % instead of 15 %
+    assert plan(AXIS, None, table, readings=count).widths[1] == pytest.approx(2.0, rel=0.15)
 
 
 def test_a_law_that_does_not_hold_is_planned_for_as_any():
@@ -170,7 +189,7 @@ def test_few_readings_are_given_with_their_small_gain():
     v = np.linspace(0.05, 0.4, 40)
     further = plan(AXIS, "viscous", Measurement(velocity=v, friction=noisy(3.0 * v)), readings=1)
     assert len(further.readings["velocity"]) == len(further.to_dataframe()) == 1
-    assert "as wide" in further.sentence
+    assert "of its width" in further.sentence
     assert "<table>" in further._repr_html_()
 
 

@@ -151,7 +151,7 @@ def test_one_travel_ranks_nothing_and_its_band_spans_the_laws():
     verdict = select(rig, None, reading)
     assert verdict.best.name == "coulomb"
     assert not verdict.ranked
-    assert "these travels do not distinguish it from" in verdict.sentence
+    assert "these travels cannot rule out" in verdict.sentence
     assert len(verdict.set) == len(verdict.judgement.evidence)  # every other law
     assert verdict.closest.held_out is None
     # Coulomb: s = k x^2 / (2 mu m g); viscous: s = x sqrt(k m) / c ... in proportion to x

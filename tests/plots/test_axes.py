@@ -39,7 +39,7 @@ from stickslip.identify.fits import Fit
 from stickslip.mechanisms.drives import Sine
 from stickslip.show import plots
 from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
-from stickslip.study.characterization import presliding_loop
+from stickslip.study import presliding_loop
 from stickslip.study.sweep import band_of, basins, validate
 from stickslip.study.sweep.mean_velocity import VelocityMap
 
@@ -218,8 +218,6 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_verdict: "verdict must be a Verdict, got",
         plots.plot_ensemble: "runs must be an Ensemble",
         plots.plot_sweep: "result must be a VelocityMap, Basins, SensitivityIndices",
-        plots.plot_characteristic: "result must be a Characteristic",
-        plots.plot_characterization: "result must be a Characterization",
         plots.plot_law: "law must be a FrictionLaw",
         plots.plot_presliding: "loop must be a PreslidingLoop or FrictionLaw",
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",

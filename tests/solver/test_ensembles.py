@@ -31,7 +31,7 @@ from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, given_inputs
 from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.quantities import vary
-from stickslip.study.testing.suites import ORDINARY
+from stickslip.study.testing import ORDINARY
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 DECAY = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

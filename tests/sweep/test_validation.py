@@ -64,6 +64,7 @@ def test_no_executor_changes_what_is_said(measured):
     assert own.to_dict() == other.to_dict()
 
 
+@pytest.mark.rounding
 def test_a_tenth_more_friction_is_seen_and_the_refit_names_it():
     measured = record(0.22)
     seen = validated(measured)

@@ -29,7 +29,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Fit and plan": ("fit", "plan"),
     "Simulate": ("simulate", "animate", "sweep", "orbits", "optimise"),
     "Hand over": ("export", "apply"),
-    "Look up": ("models", "characterize", "cite", "schema", "data", "paper"),
+    "Look up": ("models", "cite", "schema", "data", "paper"),
     "Set up": ("doctor", "warmup"),
 }
 """Commands by the heading under which they are listed."""
@@ -55,10 +55,6 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "orbits": ("stickslip orbits rig.toml --vary drive.frequency=2:20 -o orbits.csv",),
     "plan": ("stickslip plan rig.toml --data table.csv --readings 12 -o next.csv",),
     "models": ("stickslip models", "stickslip models lugre"),
-    "characterize": (
-        "stickslip characterize lugre --tests drift,steady",
-        "stickslip characterize lugre dahl 'tanh(level) + viscous' --report laws.html",
-    ),
     "export": (
         "stickslip export law.toml --to c",
         "stickslip export law.toml --to mjcf --rig rig.toml",
@@ -228,7 +224,6 @@ COMMANDS: Final[dict[str, tuple[str, type]]] = {
     "optimise": ("studies.run_optimise", option_groups.OptimiseOptions),
     "plan": ("judge.run_plan", option_groups.PlanOptions),
     "models": ("models.run", option_groups.ModelsOptions),
-    "characterize": ("studies.run_characterize", option_groups.CharacterizeOptions),
     "paper": ("studies.run_paper", option_groups.PaperOptions),
     "warmup": ("warmup.run", option_groups.WarmupOptions),
     "doctor": ("warmup.run_doctor", option_groups.DoctorOptions),

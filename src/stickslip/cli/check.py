@@ -237,13 +237,13 @@ def _films(options: InitOptions, reading: data.Reading) -> None:
         content = {"rig": str(target), "films": runs, "doubts": list(result.doubts)}
         print_json(document("init", content))
         return
-    typed = shlex.quote(str(target))
+    typed, law = shlex.quote(str(target)), shlex.quote(f"{target.stem}-report/law.toml")
     low, high = 0.9 * result.runs[0].frequency, 1.1 * result.runs[-1].frequency
     say(str(result))
     say(
         f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
         f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
-        f" travel; stickslip sweep {typed} --law stickslip-report/law.toml --vary"
+        f" travel; stickslip sweep {typed} --law {law} --vary"
         f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24"
     )
 

@@ -30,7 +30,7 @@ from stickslip.errors import InputError, ParameterError, concerning
 from stickslip.quantities import Quantity
 from stickslip.show import report as page
 from stickslip.show.display import Summary, cell_text, is_numeric
-from stickslip.show.documents import check_replaceable, json_text, unwritable
+from stickslip.show.documents import check_replaceable, is_earlier, json_text, unwritable
 from stickslip.show.formatting import printable
 
 # What commands share: consoles, JSON documents, folders that are written whole or not at all.
@@ -248,11 +248,13 @@ def refuse_overwriting(
 ) -> None:
     """Refuse early what could not be written into a folder in the end; leave no trace.
 
-    `option` is the one that names the file or the folder.
+    A folder that holds nothing but `files` of an earlier run may be replaced. `option` is the one
+    that names the file or the folder.
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")
-    if path.exists() and not force:
+    earlier = path == folder and folder.is_dir() and is_earlier(folder, files)
+    if path.exists() and not (force or earlier):
         what = "files in it" if path.is_dir() else "it"
         raise InputError(
             f"{path} already exists; give --force to replace {what}, or another {option}."

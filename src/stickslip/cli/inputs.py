@@ -663,7 +663,7 @@ def show_estimates(estimates: Sequence[fits.Estimate]) -> None:
     """Print parameters with their intervals, and why one is not bounded."""
     rows = [
         [
-            parameter.path,
+            parameter.words if parameter.quantity.unit in fits.FORCES else parameter.path,
             parameter.quantity.symbol,
             within(parameter.value, parameter.low, parameter.high),
             unit_text(parameter.quantity.unit),

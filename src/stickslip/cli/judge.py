@@ -14,6 +14,7 @@ import typer
 from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli.options import (
+    DEMO,
     DemoOptions,
     FitOptions,
     MeasuredOptions,
@@ -27,7 +28,7 @@ from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
 from stickslip.quantities import Quantity, parameters
 from stickslip.show import documents
-from stickslip.show.formatting import number
+from stickslip.show.formatting import in_words, number
 from stickslip.show.report import Origin, Page, render
 
 if TYPE_CHECKING:
@@ -45,10 +46,14 @@ CRITERIA_FAILED = 4
 
 def run_select(options: SelectOptions) -> None:
     """Select, write the verdict, print it, draw its page; with JSON only into a given folder."""
-    folder = terminal.folder_of(options.output, "stickslip-report", as_json=options.as_json)
+    default = f"{(options.rig or DEMO).stem}-report"
+    folder = terminal.folder_of(options.output, default, as_json=options.as_json)
     if folder is not None:
         terminal.refuse_overwriting(folder, folder, force=options.force, files=kinds.VERDICT_FILES)
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
+    if folder is not None:
+        for name in kinds.VERDICT_FILES:
+            terminal.refuse_inputs(folder / name, [rig.path])
     kind, request, files = inputs.measured(rig, options)
     request = replace(request, tolerance=_tolerance(kind, rig, options.tolerance))
     rig = replace(rig, digest=documents.with_files(rig.digest, files))
@@ -67,6 +72,8 @@ def run_select(options: SelectOptions) -> None:
     if options.as_json:
         terminal.print_json(content)
     else:
+        if said := _of_one_travel(verdict):
+            terminal.stdout().print(said)
         show_verdict(verdict)
     if folder is not None:
         own = options.rig is None  # the bundled rig
@@ -91,6 +98,17 @@ def run_select(options: SelectOptions) -> None:
         )
         raise typer.Exit(CRITERIA_FAILED)
     terminal.leave_unless_drawn(page_code)
+
+
+def _of_one_travel(verdict: Verdict) -> str:
+    """Return what a single travel cannot show, and what can; empty of other measurements."""
+    single = "travel" in verdict.measurement.quantities() and not verdict.measurement.trials
+    if not single or verdict.ranked or len(verdict.candidates) < 2:
+        return ""
+    return (
+        f"One travel cannot rank {in_words(len(verdict.candidates))} laws; travels at several"
+        " settings can."
+    )
 
 
 def run_demo(options: DemoOptions) -> None:
@@ -175,6 +193,7 @@ def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) 
 
         own = cast("TravelVerdict", verdict)  # the bundled rig has travels
         remark, lead, extra = beside(rig, own)
+        remark = " ".join(filter(None, (_of_one_travel(verdict), remark)))
         return kinds.verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
     return kinds.verdict_page(verdict, origin)
 

@@ -128,8 +128,9 @@ class ReportOptions(WriteOptions):
     """How the result is printed and written into a folder."""
 
     output: Output = None
-    """Folder for the report. Default: stickslip- and the name of what is written, such as
-    stickslip-report; with --json, nothing is written unless a folder is given."""
+    """Folder for the report. Default: the name of the rig file and -report, or stickslip- and the
+    name of the command; with --json, nothing is written unless a folder is given. A folder that
+    holds nothing but an earlier report is replaced."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -253,8 +254,9 @@ class ColumnOptions:
 class ReadingOptions(ColumnOptions):
     """How the files of a measurement are read."""
 
-    repair: Annotated[Sequence[str], typer.Option(metavar="sort,gaps")] = ()
-    """Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells."""
+    repair: Annotated[Sequence[str], typer.Option(metavar="sort,gaps,hold")] = ()
+    """Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells, 'hold'
+    keeps commands until the next."""
     conditions: Names = ()
     """Columns with a condition of each trial, such as temperature or direction."""
 
@@ -515,8 +517,7 @@ class ApplyOptions(LawOfFileOptions, WriteOptions):
     """Contact input of the laws at which joints have their friction, such as "temperature=35 degC",
     or "elbow.temperature=35 degC" for one; may be repeated."""
     to: Annotated[str | None, typer.Option(metavar="PROGRAM")] = None
-    """What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which PhysX (Isaac
-    Sim) and Newton read."""
+    """What reads MODEL: urdf, mjcf or physx; default: seen from the file."""
     polynomial: bool = False
     """Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later)."""
     holds: bool = False
@@ -642,31 +643,6 @@ class ModelsOptions(JsonOption):
     """Law or mechanism to show in full."""
     published: bool = False
     """Show the equations as printed in the source paper."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CharacterizeOptions(WriteOptions):
-    """Test friction laws on a virtual bench.
-
-    Steady curve, presliding and memory, break-away, drift and passivity of one law, or of several
-    side by side. A law without values has typical ones.
-    """
-
-    laws: Annotated[Sequence[str], typer.Argument(metavar="LAW...")]
-    """Names or compositions of laws, such as lugre or 'dahl(level) + power', or files with a fitted
-    law such as law.toml."""
-    tests: Annotated[str | None, typer.Option(metavar="NAMES")] = None
-    """Tests, joined by commas: steady, presliding, break-away, drift, passivity; default: all."""
-    rig: Path | None = None
-    """Rig file of an axis or a block, whose mass is taken; default: 1 kg."""
-    load: str | None = None
-    """Normal force with its unit, e.g. 20N; default: that of the rig, or 1 N."""
-    inputs: Annotated[Sequence[str], typer.Option("--input", metavar="NAME=VALUE,...")] = ()
-    """Values of an input of a law, e.g. temperature=20,40; each is tested."""
-    match: Annotated[bool, typer.Option("--match/--no-match")] = True
-    """Give the other laws the levels, Stribeck velocity and stiffness of the first."""
-    report: Path | None = None
-    """Page with all figures (HTML)."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,16 +40,14 @@ from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identify.kinds import PAGE
-from stickslip.mechanisms import Mechanism, PendulumCart, slip_among
+from stickslip.mechanisms import PendulumCart, slip_among
 from stickslip.paper import PaperAudit, audit, paper_report, result_sections
 from stickslip.paper.rigs import CART
 from stickslip.quantities import Quantity, all_paths, full_path, parameters, vary
 from stickslip.show import report as page
 from stickslip.show.documents import document, json_text, write_files, write_folder
 from stickslip.show.formatting import count, joined, number, printable, quantity
-from stickslip.show.report import characterization_page, render, versions
 from stickslip.study import optimisation
-from stickslip.study.characterization import characterize
 from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
@@ -886,82 +884,3 @@ def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str,
         "optimum.svg": figure,
         "optimum.json": json_text(content),
     }
-
-
-# ``stickslip characterize``.
-
-SHORT = ("overview", "laws")
-"""Sections that the terminal shows."""
-
-
-def run_characterize(options: option_groups.CharacterizeOptions) -> None:
-    """Try the laws, write the page, show."""
-    report, tests = options.report, options.tests
-    if report is not None:
-        if report.suffix.lower() not in (".html", ".htm"):
-            raise InputError(f"--report must be an .html file, got {report}.")
-        terminal.refuse_overwriting(report, report.parent, force=options.force)
-    mechanism = None if options.rig is None else load_rig(options.rig).mechanism
-    given = [_law(text) for text in options.laws]
-    chosen = None if tests is None else [name.strip() for name in tests.split(",")]
-    with Drawing("Testing") as progress:
-        result = characterize(
-            given[0],
-            *given[1:],
-            load=_load(options.load, mechanism),
-            rig=mechanism,
-            tests=chosen,
-            match=options.match,
-            inputs=_inputs(options.inputs),
-            progress=progress,
-        )
-    page = characterization_page(result, commands=[terminal.command_line()], versions=versions())
-    if report is not None:
-        write_files({report: render(page)})
-    if options.as_json:
-        files = [] if report is None else [str(report)]
-        terminal.print_json(document("characterize", {**result.to_dict(), "files": files}))
-        return
-    terminal.show_sections(section for section in page.sections if section.id in SHORT)
-    if report is not None:
-        terminal.stdout().print(f"\nReport: {report}")
-
-
-def _law(text: str) -> FrictionLaw | str:
-    """Return the law of a file, or the name or composition as it is."""
-    if not text.lower().endswith(".toml"):
-        return text
-    result = load_rig(text).laws
-    if len(result) != 1:
-        names = ", ".join(result) or "none"
-        raise InputError(
-            f"{text} must have one law with all its values to be tested, it has {names}: give a"
-            " file with one, such as the law.toml of a fit."
-        )
-    (law,) = result.values()
-    return law
-
-
-def _load(text: str | None, mechanism: Mechanism | None) -> float:
-    if text is not None:
-        with concerning("--load"):
-            return terminal.number_of(text, Quantity("N", "N", above=0))
-    (contact,) = mechanism.contacts()[:1] if mechanism is not None else (None,)
-    prescribed = None if contact is None else contact.load
-    return 1.0 if prescribed is None else float(prescribed)
-
-
-def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
-    """Return values by name, of ``temperature=20,40``."""
-    result = {}
-    for text in texts:
-        name, equals, values = text.partition("=")
-        try:
-            result[name.strip()] = [float(text) for text in values.split(",")]
-        except ValueError:
-            equals = ""
-        if not equals:
-            raise InputError(
-                f"--input takes NAME=VALUE,... such as temperature=20,40, got {text!r}."
-            )
-    return result

@@ -413,11 +413,12 @@ def load_measurement(
     mechanism : Mechanism, optional
         Checks parameter paths and the units of their columns at once, lets the plain last name
         of a parameter stand for its path, and has the load of coefficients.
-    repair : {"sort", "gaps"} or sequence of these, optional
+    repair : {"sort", "gaps", "hold"} or sequence of these, optional
         ``"sort"``: order the samples of a record by time, drop those that are there twice, and
         average those of one time that differ. ``"gaps"``: drop samples that are not finite in
-        every column. What was done stands in `Measurement.provenance`. Nothing is repaired unless
-        it is asked for.
+        every column. ``"hold"``: what drives, or is wanted, keeps its last value in empty cells.
+        What was done stands in `Measurement.provenance`. Nothing is repaired unless it is asked
+        for.
     conditions : str or sequence of str, optional
         Columns that hold a condition of the trial, such as a temperature or a direction: one value
         in each trial, a number or a text. See `compare_trials`.
@@ -598,7 +599,7 @@ class _Files:
             if key not in (*wanted, TRIAL, *reading.motor_constant) and not is_beside(key):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
         conditions = conditions_in(frame, reading.conditions)
-        holes = "gaps" in reading.repair
+        holes = bool({"gaps", "hold"} & {*reading.repair})
         raw: dict[str, Array] = {
             quantity: frame.raw(quantity, holes=holes, repairable=True)
             for quantity in self._with_cells(frame, wanted)

@@ -1,7 +1,6 @@
 """Writes friction of laws into joints of a model file, and says what that leaves of them."""
 
 import contextlib
-import json
 import math
 import os
 import re
@@ -9,36 +8,27 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 from xml.parsers import expat
 
-import numpy as np
-
 from stickslip import mechanisms
 from stickslip.data import Rig
 from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.exports.joints import (
     SOFT,
-    Compared,
-    JointFriction,
     PolynomialFriction,
     Simplified,
-    SmoothFriction,
-    compared,
     simplified,
-    steady_of,
 )
 from stickslip.exports.program import Subject
 from stickslip.exports.verb import Usage, evaluated, law_or_rig, subject_of
-from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
-from stickslip.mechanisms import DCMotor, has_macros
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import has_macros
 from stickslip.quantities import Given, named, turned
 from stickslip.show.described import Described
-from stickslip.show.display import require_library
 from stickslip.show.documents import NOT_XML, check_xml, json_value, read_bytes, write_file
 from stickslip.show.formatting import joined, percent, quantity
 
@@ -463,8 +453,6 @@ class Beside:
     """Damper [N s/m] or [N m s/rad]."""
     armature: float | None = None
     """Inertia of motor and gear [kg] or [kg m^2]; None leaves that of the file."""
-    motor: DCMotor | None = None
-    """Motor with its gear, where the law was fitted through one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -497,8 +485,8 @@ class Carried:
 
     values: Mapping[str, str]
     """What is written, by name."""
-    near: Compared[SetValuedLaw] | None
-    """What the joint has in place of the law; None if it has the law itself."""
+    near: Simplified
+    """What the joint has in place of the law."""
     lost: tuple[str, ...]
     """What the file cannot have of the law, in sentences."""
 
@@ -559,10 +547,6 @@ class Model(ABC):
     @abstractmethod
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         """Return the edits that give a joint values."""
-
-    def has_exactly(self, subject: Subject) -> bool:  # most have no law itself
-        """Return whether the format has the law itself, at all contact inputs."""
-        return False
 
     def elsewhere(self, name: str) -> str:  # most files stand alone
         """Return where else a joint of a name is, in a sentence; empty if that is not known."""
@@ -1083,27 +1067,6 @@ class Physx(UsdModel):
         }
 
 
-class Newton(UsdModel):
-    """A scene for Newton."""
-
-    name: ClassVar[str] = "newton"
-    title: ClassVar[str] = "USD for Newton"
-    program: ClassVar[str] = "Newton"
-
-    def schema(self, axis: str) -> str:
-        return "NewtonJointAPI"
-
-    def names(self, axis: str) -> Mapping[str, str]:
-        return {
-            "level": "newton:friction",
-            "damping": "newton:damping",
-            "armature": "newton:armature",
-        }
-
-    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
-        yield from _of_drive(joint)
-
-
 def _of_drive(joint: ModelJoint) -> Iterator[str]:
     """Yield that a drive damps the joint too, in a sentence."""
     name = f"drive:{AXES[joint.kind]}:physics:damping"
@@ -1117,366 +1080,10 @@ def _of_drive(joint: ModelJoint) -> Iterator[str]:
 
 # Writes friction of laws into joints of a model file, and says what that leaves of them.
 
-# Parameter files of controllers and servos, and all formats of model files by name.
-
-# Parameter files of ROS 2, in YAML: controllers that make up for friction.
-
-ARRAYS: Final = ("fp1", "fp2", "fp3")
-"""Parameters of a smooth friction compensation, each with an entry for each joint."""
-FEED_FORWARD: Final = "ff_velocity_scale"
-"""Torque per wanted velocity of a trajectory controller."""
-CALLED: Final = "the controller"
-
-
-class Ros2(Model):
-    """Parameters of the nodes of ROS 2."""
-
-    name: ClassVar[str] = "ros2"
-    title: ClassVar[str] = "YAML of ROS 2"
-    program: ClassVar[str] = "ROS 2"
-    refuses: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {**ONE_DAMPING, "holds": "has no friction at rest"}
-    )
-
-    @classmethod
-    def recognises(cls, path: Path, data: bytes) -> bool:
-        return path.suffix.lower() in (".yaml", ".yml")
-
-    @cached_property
-    def nodes(self) -> Sequence[tuple[str, Mapping[str, Any]]]:
-        """Parameters of nodes by name, as nodes of YAML."""
-        yaml = require_library("yaml", "ros")
-        try:
-            text = self.data.decode("utf-8")
-            root = yaml.compose(text, Loader=yaml.SafeLoader)
-            aliases = [token for token in yaml.scan(text) if isinstance(token, yaml.AliasToken)]
-        except (yaml.YAMLError, UnicodeDecodeError, RecursionError):
-            raise InputError(f"{self.path} is not YAML.") from None
-        if aliases:
-            line = aliases[0].start_mark.line + 1
-            raise InputError(
-                f"{self.path} has an alias in line {line}, which ROS 2 does not read: write what it"
-                " stands for."
-            )
-        result = [*_node_parameters("", root)]
-        if not result:
-            raise InputError(f"{self.path} has no ros__parameters, so it has none of a ROS 2 node.")
-        return result
-
-    def joints(self) -> Iterator[ModelJoint]:
-        for node, parameters in self.nodes:
-            names = _texts(parameters.get("joints"))
-            friction = _yaml_members(parameters.get("friction"))
-            gains = _yaml_members(parameters.get("gains"))
-            for i, name in enumerate(names):
-                place: dict[str, Any] = {}
-                if friction:
-                    place = {
-                        f"{node}.friction.{key}[{i}]": friction[key].value[i]
-                        for key in ARRAYS
-                        if key in friction and len(_texts(friction[key])) == len(names)
-                    }
-                elif "effort" in _texts(parameters.get("command_interfaces")):
-                    own = _yaml_members(gains.get(name))
-                    if FEED_FORWARD in own:
-                        place = {f"{node}.gains.{name}.{FEED_FORWARD}": own[FEED_FORWARD]}
-                if len(place) in (1, len(ARRAYS)):
-                    yield ModelJoint(
-                        name=name,
-                        kind="either",
-                        line=parameters["joints"].start_mark.line + 1,
-                        place=(place, parameters.get("use_friction")),
-                        given={key: (setting.value, "") for key, setting in place.items()},
-                    )
-
-    def elsewhere(self, name: str) -> str:
-        for node, parameters in self.nodes:
-            if name in _texts(parameters.get("joints")):
-                return (
-                    f"{self.path}: joint {name!r} of {node} has no friction to be written: neither"
-                    f" friction.{', '.join(ARRAYS)} with an entry for each joint, nor"
-                    f" gains.{name}.{FEED_FORWARD} with effort among the command_interfaces."
-                )
-        return ""
-
-    def carry(
-        self,
-        joint: ModelJoint,
-        subject: Subject,
-        beside: Beside,
-        wishes: Wishes,
-    ) -> Carried:
-        steady = steady_of(subject)
-        v, force = steady.velocity, steady.force + beside.damping * steady.velocity
-        steady, (place, use) = replace(steady, force=force), joint.place
-        lost: tuple[str, ...] = tuple(of_damper(subject, beside))
-        law: JointFriction | SmoothFriction
-        if len(place) == 1:
-            damping = max(0.0, float(v @ force) / float(v @ v))
-            law = JointFriction(level=0.0, damping=damping)
-            values = [damping]
-        else:
-            steepness = self._steepness(place)
-            shape = np.tanh(0.5 * steepness * v)
-            height = max(0.0, 2.0 * float(shape @ force) / float(shape @ shape))
-            law = SmoothFriction(height=height, steepness=steepness)
-            values = [height, steepness, 0.0]
-            if use is None or use.value.lower() not in ("true", "yes", "on"):
-                lost += ("use_friction is not true: the controller leaves friction as it is.",)
-        near = compared(subject, steady, law, CALLED)
-        return Carried(
-            values=dict(zip(place, map(_real, values), strict=True)),
-            near=near,
-            lost=(*lost, *near.lost),
-        )
-
-    def _steepness(self, place: Mapping[str, Any]) -> float:
-        name = next(key for key in place if ".fp2[" in key)
-        try:
-            result = float(place[name].value)
-        except ValueError:
-            result = 0.0
-        if not 0.0 < result < float("inf"):
-            raise InputError(
-                f"{self.path}: {name} must be above 0 s/rad, got {place[name].value}: it is the"
-                " inverse of the speed within which the compensation grows, and stays as it is."
-            )
-        return result
-
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
-        place, _ = joint.place
-        text = self.data.decode("utf-8")
-        return [
-            Edit(
-                byte_of(text, setting.start_mark.index),
-                byte_of(text, setting.end_mark.index),
-                values[key].encode("ascii"),
-            )
-            for key, setting in place.items()
-        ]
-
-
-def _real(value: float) -> str:
-    """Return a number as all of ROS 2 reads it for a double: with a point, without an exponent."""
-    text = format(Decimal(number(value)), "f")
-    return text if "." in text else f"{text}.0"
-
-
-def _yaml_members(node: Any) -> Mapping[str, Any]:
-    """Return the members of a mapping of YAML; none of anything else."""
-    pairs = node.value if node is not None and node.id == "mapping" else ()
-    return {str(key.value): value for key, value in pairs}
-
-
-def _texts(node: Any) -> Sequence[str]:
-    """Return the scalars of a list of YAML; none of anything else."""
-    items = node.value if node is not None and node.id == "sequence" else ()
-    return [str(item.value) for item in items if item.id == "scalar"]
-
-
-def _node_parameters(name: str, node: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Yield the parameters of nodes below a node of YAML, with the names of both."""
-    for key, value in _yaml_members(node).items():
-        if key == "ros__parameters":
-            yield name, _yaml_members(value)
-        elif value is not None and value.id == "mapping":
-            yield from _node_parameters(key.strip("/"), value)
-
-
-# Parameters of a servo as Rhoban/bam has them, in JSON: the motor and one of six gear laws.
-
-LEVELS: Final = MappingProxyType(
-    {
-        "friction_base": "kinetic_coefficient",
-        "load_friction_base": "transmitted_coefficient",
-        "load_friction_stribeck": "transmitted_static_surplus",
-        "load_friction_motor": "motor_friction",
-        "load_friction_external": "external_friction",
-        "load_friction_motor_stribeck": "motor_static_friction",
-        "load_friction_external_stribeck": "external_static_friction",
-        "load_friction_motor_quad": "motor_quadratic",
-        "load_friction_external_quad": "external_quadratic",
-    }
-)
-"""Parameters over the load, by the names of the file."""
-SPEEDS: Final = MappingProxyType(
-    {
-        "dtheta_stribeck": "stribeck_velocity",
-        "alpha": "fading_exponent",
-        "friction_viscous": "viscous_coefficient",
-    }
-)
-"""Parameters that do not depend on the load."""
-MODELS: Final = MappingProxyType({f"bam-m{i}": f"m{i}" for i in range(1, 7)})
-"""Laws that the file has, with what it calls them; the simplest first."""
-SPEEDS_COMPARED: Final = (0.001, 0.01, 0.1, 1.0, 10.0)
-"""At which a law of another name is one of these [rad/s]."""
-SURPLUS: Final = "friction_stribeck"
-NAMES: Final = frozenset((*LEVELS, *SPEEDS, SURPLUS, "kt", "R", "armature", "model"))
-MEMBER: Final = re.compile(r'\s*("(?:\\.|[^"\\])*")\s*:\s*')
-
-
-class Bam(Model):
-    """A file of parameters of a servo."""
-
-    name: ClassVar[str] = "bam"
-    title: ClassVar[str] = "JSON of Rhoban/bam"
-    program: ClassVar[str] = "Rhoban/bam"
-    refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
-
-    @classmethod
-    def recognises(cls, path: Path, data: bytes) -> bool:
-        return path.suffix.lower() == ".json"
-
-    @cached_property
-    def text(self) -> str:
-        """The text of the file."""
-        try:
-            return self.data.decode("utf-8")
-        except UnicodeDecodeError:
-            raise InputError(f"{self.path} is not in UTF-8.") from None
-
-    @cached_property
-    def members(self) -> Mapping[str, tuple[Any, int, int]]:
-        """Values of the file by name, with the characters between which they stand."""
-        try:
-            whole = json.loads(self.text)
-        except (ValueError, RecursionError):
-            raise InputError(f"{self.path} is not JSON.") from None
-        if not isinstance(whole, dict) or not {"model", "actuator"} <= whole.keys():
-            raise InputError(
-                f'{self.path} has no "model" and "actuator": files of parameters of Rhoban/bam,'
-                " such as params/xl330/m1.json, have both."
-            )
-        return dict(_json_members(self.text))
-
-    def joints(self) -> Iterator[ModelJoint]:
-        name = str(self.members["actuator"][0])
-        given = {
-            key: (self.text[start:end].strip('"'), "")
-            for key, (_, start, end) in self.members.items()
-            if key in NAMES
-        }
-        yield ModelJoint(name=name, kind="hinge", line=1, place=None, given=given)
-
-    def has_exactly(self, subject: Subject) -> bool:
-        return gear_law(subject.law) is not None
-
-    def carry(
-        self,
-        joint: ModelJoint,
-        subject: Subject,
-        beside: Beside,
-        wishes: Wishes,
-    ) -> Carried:
-        values, lost = _of_motor(beside)
-        law = gear_law(subject.law)
-        if law is not None and not wishes.holds:
-            model, near = MODELS[law.name], None
-            friction = dict(_gear_parameters(law, subject.needed_load()))
-            friction["friction_viscous"] += beside.damping
-            lost = (*of_damper(subject, beside), *lost)
-        else:
-            model = "m1"
-            result, near, left = level_and_damping(subject, beside, wishes)
-            friction = {"friction_base": result.level, "friction_viscous": result.damping[0]}
-            lost = (*left, *lost)
-        stays = [
-            key for key in (*LEVELS, *SPEEDS, SURPLUS) if key in joint.has and key not in friction
-        ]
-        if stays:
-            lost += (f"{model.upper()} does not read {', '.join(stays)}, which stay as they were.",)
-        written = {key: number(value) for key, value in (*friction.items(), *values.items())}
-        return Carried(values={**written, "model": model}, near=near, lost=lost)
-
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
-        result, added = [], []
-        for key, value in values.items():
-            text = json.dumps(value) if key == "model" else value
-            if key in self.members:
-                _, start, end = self.members[key]
-                result.append(
-                    Edit(byte_of(self.text, start), byte_of(self.text, end), text.encode("ascii"))
-                )
-            else:
-                added.append(f'"{key}": {text}')
-        if added:
-            first, (_, _, last) = self.text.index("{") + 1, [*self.members.values()][-1]
-            between = re.match(r"\s*", self.text[first:])
-            assert between is not None  # it may be empty
-            place, space = byte_of(self.text, last), between[0] or " "
-            text = "".join(f",{space}{name}" for name in added)
-            result.append(Edit(place, place, text.encode("ascii")))
-        return result
-
-
-def _json_members(text: str) -> Iterator[tuple[str, tuple[Any, int, int]]]:
-    """Yield the members of an object, each value with where it stands."""
-    decoder, place = json.JSONDecoder(), text.index("{") + 1
-    while result := MEMBER.match(text, place):
-        value, end = decoder.raw_decode(text, result.end())
-        yield json.loads(result[1]), (value, result.end(), end)
-        comma = re.compile(r"\s*,?").match(text, end)
-        assert comma is not None  # it may be empty
-        place = comma.end()
-
-
-def gear_law(law: FrictionLaw) -> FrictionLaw | None:
-    """Return a law as one of the six, if it is one of them by this name or another."""
-    if law.name in MODELS:
-        return law
-    for name in MODELS:
-        for containment in LAWS[name].contained:
-            values = containment.embed(law) if containment.law == law.name else None
-            if values is None:
-                continue
-            result = LAWS[name](**values)
-            if not result.inputs and _same_parameters(result, law):
-                return result
-    return None
-
-
-def _same_parameters(found: FrictionLaw, law: FrictionLaw) -> bool:
-    """Return whether laws agree; an option such as a level of its own at rest may be in neither."""
-    forces = [
-        [member.break_away(1.0), *(member.steady(v, 1.0) for v in SPEEDS_COMPARED)]
-        for member in (found, law)
-    ]
-    return all(math.isclose(a, b, rel_tol=1e-12) for a, b in zip(*forces, strict=True))
-
-
-def _gear_parameters(law: FrictionLaw, load: float) -> Iterator[tuple[str, float]]:
-    """Yield the parameters of a law by the names of the file."""
-    for name, own in LEVELS.items():
-        if hasattr(law, own):
-            yield name, load * getattr(law, own)
-    if hasattr(law, "static_coefficient"):
-        yield SURPLUS, load * (law.static_coefficient - getattr(law, LEVELS["friction_base"]))
-    for name, own in SPEEDS.items():
-        if hasattr(law, own):
-            yield name, getattr(law, own)
-
-
-def _of_motor(beside: Beside) -> tuple[Mapping[str, float], tuple[str, ...]]:
-    """Return the values of the motor at the shaft of the servo, and what they leave of it."""
-    motor, result = beside.motor, dict[str, float]()
-    lost: tuple[str, ...] = ()
-    if motor is not None:
-        result |= {"kt": motor.gear_ratio * motor.torque_constant, "R": motor.resistance}
-        if motor.back_emf != motor.torque_constant:
-            lost = (
-                f"The back-EMF constant is taken to be the torque constant, and was"
-                f" {quantity(motor.gear_ratio * motor.back_emf, 'V s/rad')} at the shaft.",
-            )
-    if beside.armature is not None:
-        result["armature"] = beside.armature
-    return result, lost
-
-
 # The formats of model files by name.
 
 CONSUMERS: Final[Mapping[str, type[Model]]] = MappingProxyType(
-    {item.name: item for item in (Urdf, Mjcf, Physx, Newton, Bam, Ros2)}
+    {item.name: item for item in (Urdf, Mjcf, Physx)}
 )
 """What laws can be applied to."""
 
@@ -1494,9 +1101,6 @@ def read_model(path: Path, to: str | None = None) -> Model:
         if wanted not in fitting:
             raise InputError(f"{path} is no file of {wanted.title}.")
         return wanted(path, data)
-    if len(fitting) > 1:
-        choices = " or ".join(f"--to {kind.name}, {kind.title}" for kind in fitting)
-        raise InputError(f"{path} has room for friction of several programs: choose by {choices}.")
     if not fitting:
         raise _unknown(path, data)
     return fitting[0](path, data)
@@ -1532,9 +1136,8 @@ class AppliedJoint(metaclass=Described):
     """Attributes that the file gave it."""
     after: Mapping[str, str]
     """Attributes that were written."""
-    largest_speed: float | None
-    """End of the range of speeds over which both are compared [m/s] or [rad/s]; None where the file
-    has the law itself."""
+    largest_speed: float
+    """End of the range of speeds over which both are compared [m/s] or [rad/s]."""
     rms: float
     """Root mean square of the difference of the steady friction, over speeds from 0 to the end of
     the range in both directions, all alike [N] or [N m]."""
@@ -1552,9 +1155,7 @@ class AppliedJoint(metaclass=Described):
         values = " ".join(f'{key}="{value}"' for key, value in self.after.items())
         before = " ".join(f'{key}="{value}"' for key, value in self.before.items())
         error = (
-            "The file has the law itself: the error of the friction is 0."
-            if self.largest_speed is None
-            else f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
+            f"Error of the friction up to {quantity(self.largest_speed, speed)}:"
             f" {quantity(self.rms, unit)} rms, {quantity(self.largest, unit)} at most."
         )
         return (f"{values}; before: {before or 'none'}.", error, *self.lost)
@@ -1647,8 +1248,7 @@ def apply(
 ) -> Applied:
     """Write friction laws into the joints of a model file, and change nothing else in it.
 
-    Files are URDF, MJCF, USD as text for PhysX (Isaac Sim) or Newton, the parameters of a servo in
-    Rhoban/bam's JSON, and parameters of ROS 2 controllers in YAML. The level and the damping of a
+    Files are URDF, MJCF, and USD as text for PhysX (Isaac Sim). The level and the damping of a
     joint are those that come closest to the law, by least squares over speeds up to the largest in
     both directions; a damper of the law's mechanism is added.
 
@@ -1674,8 +1274,7 @@ def apply(
         Contact inputs of the laws at which the joints have their friction: by name for all laws
         that depend on them, and by contact and name for one.
     to : str, optional
-        What reads the file: ``"urdf"``, ``"mjcf"``, ``"physx"``, ``"newton"``, ``"bam"`` or
-        ``"ros2"``. Needed for USD only, which PhysX and Newton both read.
+        What reads the file: ``"urdf"``, ``"mjcf"`` or ``"physx"``; seen from the file if not given.
     polynomial : bool
         Of MJCF, whether the damping changes with the speed (MuJoCo 3.7 and later). Off by default.
     holds : bool
@@ -1725,8 +1324,7 @@ def apply(
         known = {k: x for k, x in shared.items() if len(pairs) == 1 or k in whole.law.inputs}
         unasked = {k: x for k, x in unasked.items() if k not in known}
         stated = {**known, **own.get(contact, {})}
-        exact = not stated and model.has_exactly(whole)
-        subject = whole if exact else evaluated(whole, model.title, stated)
+        subject = evaluated(whole, model.title, stated)
         _check_kind(model, joint, subject)
         beside = _beside(subject.mechanism, subject.contact)
         carried = model.carry(joint, subject, beside, wishes)
@@ -1817,9 +1415,8 @@ def _check_kind(model: Model, joint: ModelJoint, subject: Subject) -> None:
 def _beside(mechanism: mechanisms.Mechanism | None, contact: str) -> Beside:
     """Return the damper, the motor and its inertia at a joint."""
     if isinstance(mechanism, mechanisms.Axis | mechanisms.Pendulum):
-        motor = mechanism.drive if isinstance(mechanism.drive, mechanisms.DCMotor) else None
         inertia = float(mechanisms.driving_inertia(mechanism.drive))
-        return Beside(damping=mechanism.damping, armature=inertia or None, motor=motor)
+        return Beside(damping=mechanism.damping, armature=inertia or None)
     if isinstance(mechanism, mechanisms.Robot):
         for joint in mechanism.joints:
             if contact in ("", joint.contact_name):
@@ -1865,9 +1462,9 @@ def _applied(joint: ModelJoint, contact: str, subject: Subject, carried: Carried
         law=subject.law.name,
         before=joint.has,
         after=carried.values,
-        largest_speed=None if near is None else near.largest_speed,
-        rms=0.0 if near is None else near.rms,
-        largest=0.0 if near is None else near.largest,
+        largest_speed=near.largest_speed,
+        rms=near.rms,
+        largest=near.largest,
         rotary=subject.rotary,
         lost=carried.lost,
     )

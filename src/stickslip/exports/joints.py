@@ -24,7 +24,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.exports.languages import commented
 from stickslip.exports.program import Export, Subject, Target
 from stickslip.friction import Dahl, FrictionLaw, LuGre, SetValuedLaw
-from stickslip.maths import Scalar, tanh
+from stickslip.maths import Scalar
 from stickslip.mechanisms import slip_names
 from stickslip.quantities import Quantity, turned, vary
 from stickslip.show.formatting import quantity
@@ -98,28 +98,6 @@ class PolynomialFriction(SetValuedLaw):
 
     def break_away(self, load: Scalar) -> Scalar:
         return self.level + 0.0 * load
-
-
-@dataclass(frozen=True, kw_only=True)
-class SmoothFriction(SetValuedLaw):
-    """Friction that a controller makes up for, smooth through rest, where it is 0."""
-
-    name: ClassVar[str] = "smooth-friction"
-    title: ClassVar[str] = "Smooth friction"
-    formula: ClassVar[str] = r"F = \phi_1 / (1 + e^{-\phi_2 v}) - \phi_1 / 2"
-    sources: ClassVar[tuple[str, ...]] = ()
-    fit_order: ClassVar[tuple[str, ...]] = ("height", "steepness")
-
-    height: Annotated[float, Quantity("phi_1", "N", low=0)]
-    """Twice the friction at high speed."""
-    steepness: Annotated[float, Quantity("phi_2", "s/m", above=0)]
-    """Inverse of the speed within which it grows."""
-
-    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
-        return 0.5 * self.height * tanh(0.5 * self.steepness * speed) + 0.0 * load
-
-    def break_away(self, load: Scalar) -> Scalar:
-        return 0.0 * load
 
 
 JointLaw = TypeVar("JointLaw", bound=SetValuedLaw)

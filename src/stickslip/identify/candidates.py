@@ -35,8 +35,8 @@ NAMES = (
     *("Hess", "LuGre", "Makkar", "Maxwell", "Popp", "Simscape", "Stribeck", "Threlfall", "Tustin"),
 )
 """How titles begin that are names."""
-NOT_DISTINGUISHED = "not distinguished"
-"""Outcome of a candidate as good as the chosen one."""
+NOT_RULED_OUT = "not ruled out"
+"""Outcome of a candidate with odds of less than 100 to 1 against it."""
 ONE_LAW = "No ranking: one law was tried."
 """Where the candidates would be ranked."""
 UNMEASURED = "Friction at speeds, loads and temperatures outside those measured is not known."
@@ -433,18 +433,17 @@ def friction_of(title: str) -> str:
     return f"{kind}{noun}{joint}{more}"
 
 
-def not_distinguished(titles: Sequence[str], source: str) -> str:
-    """Return the clause that laws are as good as the chosen one.
+def cannot_rule_out(titles: Sequence[str], source: str) -> str:
+    """Return the clause that other laws may hold.
 
     Examples
     --------
-    >>> not_distinguished(["Stribeck", "Viscous"], "this record")
-    'this record does not distinguish it from Stribeck and viscous'
-    >>> not_distinguished(["Dahl", "LuGre", "Stribeck", "Viscous"], "these readings")
-    'these readings do not distinguish it from Dahl, LuGre and 2 more'
+    >>> cannot_rule_out(["Stribeck", "Viscous"], "this record")
+    'this record cannot rule out Stribeck and viscous'
+    >>> cannot_rule_out(["Dahl", "LuGre", "Stribeck", "Viscous"], "these readings")
+    'these readings cannot rule out Dahl, LuGre and 2 more'
     """
     names = [in_sentence(title) for title in titles]
     if len(names) > MOST:
         names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
-    verb = "do" if source.endswith("s") else "does"
-    return f"{source} {verb} not distinguish it from {joined(names)}"
+    return f"{source} cannot rule out {joined(names)}"

@@ -14,6 +14,7 @@ from stickslip.show.plots import C1, C3, DATA, MAP_SIZES, on_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -157,11 +158,14 @@ def _draw_on(axes: "Axes", what: BandDrawing, narrow: bool) -> None:
         axes.plot(factor * v[kept], force * friction[kept], marker, label=label, **look)
         kept = at & light
         axes.plot(factor * v[kept], force * friction[kept], marker, fillstyle="none", **look)
-    for place in dict.fromkeys(what.places):
-        axes.axvline(factor * place, color=C3, linewidth=0.8, linestyle=(0, (2, 3)))
+    look = {"color": C3, "linewidth": 0.8, "linestyle": (0, (2, 3))}
+    for k, place in enumerate(dict.fromkeys(what.places)):
+        axes.axvline(factor * place, label=None if k else "where to measure next", **look)
     if logarithmic:
         axes.set_xscale("log")
         _label_speeds(axes)
+    axes.set_xlim(*_ticks_about(axes.xaxis))
+    axes.set_ylim(*_ticks_about(axes.yaxis))
     axes.grid(axis="y")
     axes.set_xlabel(f"{what.names[0]}, {unit}")
     axes.set_ylabel(f"{what.names[1]}, {force_unit}")
@@ -177,6 +181,13 @@ def _label_speeds(axes: "Axes") -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: number(x)))
     axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _ticks_about(axis: "Axis") -> tuple[float, float]:
+    """Return the ticks of an axis that are nearest about what it shows."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = np.asarray(axis.get_major_locator().tick_values(low, high))
+    return float(np.max(ticks[ticks <= low])), float(np.min(ticks[ticks >= high]))
 
 
 def _by_ratios(speeds: Array) -> bool:

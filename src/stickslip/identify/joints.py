@@ -651,9 +651,7 @@ def _verdict(
     said = [
         f"{capital(name)}: {in_sentence(joint.words.verdict)}" for name, joint in joints.items()
     ]
-    said += [
-        f"{capital(name)}: at rest, so nothing tells its friction." for name in records.resting
-    ]
+    said += [f"{capital(name)}: at rest, so its friction is unknown." for name in records.resting]
     named = not wrong and all(joint.best is not None for joint in joints.values())
     words = Wording(
         verdict=f"No law is recommended. {wrong[0].sentence}" if wrong else " ".join(said),

@@ -51,7 +51,7 @@ from stickslip.identify.projection import (
     names_of,
     shapes_to_draw,
 )
-from stickslip.identify.vocabulary import Grid
+from stickslip.identify.vocabulary import PARTS, Grid
 from stickslip.show.formatting import joined
 
 SURPLUSES = ("stribeck", "hersey", "stribeck_sides")
@@ -73,7 +73,7 @@ ONE_WAY = (
     " interval does not allow for it."
 )
 """What is not distinguished where the posterior has no offset beside a level."""
-OF_FRICTION = ("drift", "place", "run", "force", "relaxing", "zone")
+OF_FRICTION = ("drift", "place", "run", "force")
 """Findings whose sizes are shares of friction, where there is some."""
 UNSEEN = 0.5
 """Friction over the scatter about its law below which nothing is seen of it."""
@@ -210,10 +210,16 @@ class Problem(ABC):
     def tied(self, structure: Shaped) -> Shaped:
         """Return a structure whose shapes agree where terms share an entry.
 
-        Both directions of a power have one exponent.
+        Both directions of a power have one exponent, and all that follow it one power of the load.
         """
         power = dict(structure).get("power", ())[:1]
-        return [(n, power if n == "power_direction" else s) for n, s in structure]
+        of_load = [s[-1] for n, s in structure if n in PARTS and len(s) > len(PARTS[n].shapes)]
+        return [
+            (n, power) if n == "power_direction"
+            else (n, (*s[:-1], of_load[0])) if n in PARTS and len(s) > len(PARTS[n].shapes)
+            else (n, s)
+            for n, s in structure
+        ]  # fmt: skip
 
     def design(self, structure: Shaped, rows: Any) -> Array:
         """Return the columns of a law at rows (n, p); (k, n, p) for shapes of k draws."""
@@ -440,15 +446,27 @@ class Judgement:
             result = self._shaped(max(adequate, key=lambda rung: rung.adequate))
         if result is None or (result.structure and result.excess > MARGIN):
             result = self._shaped(min(self.rungs, key=lambda rung: cost_of(rung, self.tolerance)))
+        if self.is_told and not self._is_explained_by(result):  # the closest leaves least
+            result = min(map(self._own, self.rungs), key=self.problem.scatter)
         if not self.is_told and self.problem.size < UNSEEN * self.problem.scatter(result):
             result = next((rung for rung in self.rungs if not rung.structure), result)
         return result
 
-    def _shaped(self, rung: Rung) -> Rung:
+    def _own(self, rung: Rung) -> Rung:
+        """Return a law of the ladder as it fits best, with shapes between those of the grid.
+
+        Weights by the size of friction let one that is far off leave several times what it need.
+        """
+        result = self._shaped(rung)
+        if not rung.structure or self._is_near(result):
+            return result
+        return min(result, self._shaped(rung, evenly=True), key=self.problem.scatter)
+
+    def _shaped(self, rung: Rung, *, evenly: bool = False) -> Rung:
         """Return a law of the ladder with shapes between those of the grid."""
         if not rung.structure:
             return rung
-        coefficients, shaped = self._projected(rung)
+        coefficients, shaped = self._projected(rung, evenly=evenly)
         structure = tuple(
             (name, tuple(float(np.ravel(x)[0]) for x in shape)) for name, shape in shaped
         )
@@ -469,14 +487,24 @@ class Judgement:
         return np.asarray(np.mean(self.problem.steady(self._metric[0], self.draws), axis=0))[None]
 
     def _projected(
-        self, rung: Rung, draws: Sequence[Draws] | None = None, *, same: bool = False
+        self,
+        rung: Rung,
+        draws: Sequence[Draws] | None = None,
+        *,
+        same: bool = False,
+        evenly: bool = False,
     ) -> tuple[Array, Shaped]:
         """Return coefficients (k, p) and shapes of draws, or their middle, on a rung's family.
 
-        Draws that have the `same` shapes keep them, and stay near their coefficients.
+        Draws that have the `same` shapes keep them, and stay near their coefficients. The middle
+        may be followed `evenly` at all places.
         """
-        rows, weights = self._metric
-        curves = self._middle if draws is None else self.problem.steady(rows, draws)
+        (rows, weights), curves = self._metric, self._middle
+        if evenly:
+            curves = self.target.middle[None]
+            rows, weights = self._places, np.full(curves.shape[1], 1.0 / self.problem.size)
+        elif draws is not None:
+            curves = self.problem.steady(rows, draws)
         free, coarse = ((), ()) if same else self.problem.free(rung)
         names = names_of(rung.structure)
         projector = Projector(
@@ -510,7 +538,7 @@ class Judgement:
         )
         kept = best[:SHOWN]
         return tuple(
-            self.named if self._is_named(item) else item
+            self.named if self._is_named(item) else self._own(item)
             for item in result
             if any(item is other for other in kept)
         )
@@ -528,8 +556,13 @@ class Judgement:
         Rows of the band are counted after the places.
         """
         rows, target = self._asked
-        apart = np.abs(self.curve_of(rung, rows) - target.middle) / target.size
-        rung = replace(rung, distance=max(rung.distance, float(np.quantile(apart, PLACES))))
+        left = np.abs(self.curve_of(rung, rows) - target.middle)
+        apart = left / target.size
+        rung = replace(
+            rung,
+            distance=max(rung.distance, float(np.quantile(apart, PLACES))),
+            excess=max(rung.excess, float(np.quantile(left / target.allowed, PLACES))),
+        )
         where = int(np.argmax(apart))
         if apart[where] <= rung.worst:
             return rung
@@ -552,7 +585,7 @@ class Judgement:
     def set(self) -> tuple[Rung, ...]:
         """Laws that cannot be distinguished, the named one first."""
         rivals = [rung for rung in self.rungs if self._is_rival(rung) and not self._is_named(rung)]
-        return (self.named, *sorted(rivals, key=lambda rival: -rival.adequate))
+        return (self.named, *sorted(map(self._own, rivals), key=lambda rival: -rival.adequate))
 
     @cached_property
     def simpler(self) -> Rung | None:
@@ -576,10 +609,11 @@ class Judgement:
         none = float(weights[self.problem.nothing()].sum())
         return (1.0 - none) / none if none > 0.0 else math.inf
 
-    @property
+    @cached_property
     def is_told(self) -> bool:
-        """Whether friction is distinguished from zero."""
-        return self.odds >= RIVAL
+        """Whether friction is distinguished from zero, by its odds or by the whole band."""
+        rows = self._asked[0]
+        return self.odds >= RIVAL or self.band(rows).brakes(rows.velocity)
 
     @property
     def is_explained(self) -> bool:
@@ -587,9 +621,14 @@ class Judgement:
 
         One of a probability of `CHANCE` may, however far noise moves the curve from it.
         """
-        every, within = (self.named, *self.rungs), max(NO_LAW, self.known)
-        near = any(item.distance <= within or item.excess <= MARGIN for item in every)
-        return near or self.named.adequate >= CHANCE
+        return self._is_explained_by(self.named)
+
+    def _is_explained_by(self, named: Rung) -> bool:
+        return any(map(self._is_near, (named, *self.rungs))) or named.adequate >= CHANCE
+
+    def _is_near(self, rung: Rung) -> bool:
+        """Return whether a law is within `NO_LAW` of friction, or as near as it is known."""
+        return rung.distance <= max(NO_LAW, self.known) or rung.excess <= MARGIN
 
     @property
     def beside(self) -> frozenset[str]:
@@ -650,9 +689,15 @@ class Judgement:
 
     def foreseen(self, rows: Any, measured: Array, unit: str) -> Foreseen:
         """Return readings (n,) of another measurement at rows beside what was foreseen of them."""
+        draws = self.problem.readings(rows, self.draws)
+        band = quantile_band(draws)
+        each, own = (
+            np.mean((band.low <= x) & (x <= band.high), axis=-1) for x in (draws, measured)
+        )
         return Foreseen(
             measured=measured,
-            band=self.reading_band(rows),
+            band=band,
+            chance=float(np.mean(each <= own + 1e-9)),
             usual=self.problem.usual(rows),
             velocity=rows.velocity,
             unit=unit,

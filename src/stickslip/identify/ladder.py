@@ -20,7 +20,7 @@ from stickslip.data import UNIT_LOAD, Checks, Measurement, levels_at, tells_load
 from stickslip.identify.bands import Array, Foreseen, PredictionBand
 from stickslip.identify.candidates import (
     MOST,
-    NOT_DISTINGUISHED,
+    NOT_RULED_OUT,
     UNMEASURED,
     Wording,
     friction_of,
@@ -51,7 +51,6 @@ from stickslip.identify.verdict import (
 )
 from stickslip.identify.wording import (
     NO_FRICTION,
-    NO_READINGS,
     RADIUS_SENTENCE,
     UNIT_LOAD_SENTENCE,
     Words,
@@ -59,6 +58,7 @@ from stickslip.identify.wording import (
     band_sentence,
     lacking_sentences,
     load_sentence,
+    nothing_further,
     of_load_text,
     outlier_sentence,
     parameter_sentence,
@@ -70,7 +70,7 @@ from stickslip.identify.wording import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import capital, joined, number, percent, quantity
+from stickslip.show.formatting import NO_VALUE, capital, count, joined, number, percent, quantity
 
 DIFFERENT = 1.2
 """Half-width of the band of another specimen over that of those measured, from which both are
@@ -119,16 +119,18 @@ def name_of(judgement: Judgement, rung: Rung) -> str:
 
 
 def distance_text(judgement: Judgement, rung: Rung, words: Words) -> str:
-    """Return within which share of friction a law stays, and where it is worst.
-
-    What is less than the tolerance is said to be within it.
-    """
-    within = max(rung.distance, judgement.tolerance)
-    said = f"{share_text(within)} of friction"
-    if rung.worst > 1.5 * within:
+    """Return by which share of friction a law differs from it, and where that is most."""
+    said = share_text(rung.distance)
+    if rung.worst > 1.5 * max(rung.distance, judgement.tolerance):
         at = quantity(abs(judgement.speed_of(rung)), words.speed_unit, 2)
         said += f" (worst {share_text(rung.worst)} at {at})"
     return said
+
+
+def _fits(judgement: Judgement) -> bool:
+    """Return whether the named law is within the tolerance, also where it differs most."""
+    named, tolerance = judgement.named, judgement.tolerance
+    return named.distance <= tolerance and named.worst <= 1.5 * tolerance
 
 
 def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) -> str:
@@ -137,8 +139,10 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
     phrase, beside = phrase_of(judgement, named), beside_of(judgement, named)
     nothing = not named.structure and not judgement.is_told
     if wrong and (nothing or judgement.is_told):
-        law = f"{phrase}{beside} stays within {distance_text(judgement, named, words)}"
-        law = "no friction stands above the noise" if nothing else law
+        law = "no friction stands above the noise" if nothing else f"use {phrase}{beside}"
+        if not (nothing or _fits(judgement)):
+            how = distance_text(judgement, named, words)
+            law += f", which differs from the measured friction by {how}"
         return f"Check units, gains and signs first. {wrong[0]} If they are right, {law}."
     if nothing:
         return f"No friction stands above the noise of the {words.measured}."
@@ -147,36 +151,31 @@ def law_sentence(judgement: Judgement, words: Words, wrong: Sequence[str] = ()) 
             f"No law is recommended: the {words.measured} cannot distinguish friction from zero."
             f" Check units, gains and signs; {phrase}{beside} is the closest."
         )
-    how = distance_text(judgement, named, words)
+    how, known = distance_text(judgement, named, words), f"{percent(judgement.known)} (95 %)"
     if not judgement.is_explained:
         none = "None of the laws compared" if judgement.problem.restricted else "No law"
         return (
-            f"{none} describes friction to {percent(NO_LAW)}: {phrase}{beside}, the closest, is off"
-            f" by {how}."
-            f" As measured, it is known to ± {percent(judgement.known)}: use the measured curve."
+            f"{none} describes friction to {percent(NO_LAW)}. Use the measured curve, which is"
+            f" known to ± {known}; the closest law, {phrase}{beside}, differs from it by {how}."
         )
     near = named.distance <= max(MARGIN * judgement.tolerance, judgement.known)
-    if near and judgement.known > max(named.distance, judgement.tolerance):
+    if _fits(judgement):
+        said = f"Use {phrase}{beside}. Friction is known to ± {known}"
+    elif near or named.excess <= MARGIN:
         said = (
-            f"Use {phrase}{beside}: it follows the most probable curve to {how}, which is known to"
-            f" ± {percent(judgement.known)}"
-        )
-    elif near:
-        said = f"Use {phrase}{beside}: it stays within {how}"
-    elif named.excess <= MARGIN:
-        said = (
-            f"Use {phrase}{beside}: it stays within {how}, no farther than friction is known there"
+            f"Use {phrase}{beside}. It differs from the measured friction by {how}, which is known"
+            f" to ± {known}"
         )
     else:
         said = (
-            f"{capital(phrase)}{beside} stays within {how}; as measured, friction is known to"
-            f" ± {percent(judgement.known)}: use the measured curve where that matters"
+            f"{capital(phrase)}{beside} differs from the measured friction by {how}. Use the"
+            f" measured curve where that matters; it is known to ± {known}"
         )
     others = [_other(judgement, item) for item in judgement.set[1:]]
     if others:
         more = others if len(others) < MOST else [others[0], f"{len(others) - 1} more"]
         these = "these" if words.measured.endswith("s") else "this"
-        said += f"; {these} {words.measured} cannot distinguish it from {joined(more)}"
+        said += f"; {these} {words.measured} cannot rule out {joined(more)}"
     return f"{said}."
 
 
@@ -202,7 +201,8 @@ def simpler_sentence(judgement: Judgement) -> str:
         return ""
     title = capital(in_sentence(title_of(judgement, shorter))) + beside_of(judgement, shorter)
     apart = percent(judgement.apart(shorter))
-    return f"{title} is within {apart} of it, with {shorter.parameters} parameters."
+    few = count(shorter.parameters, "parameter")
+    return f"{title} differs by {apart} from the named law, and has {few}."
 
 
 def finding_sentence(finding: Finding) -> str:
@@ -241,8 +241,9 @@ def probability_text(share: float) -> str:
 
 
 def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the ladder: title and outcome of each law at their ends."""
+    """Return heads and rows of the ladder, the named law first: title and outcome at their ends."""
     scale, unit = verdict.scale, verdict.measurement.unit("velocity")
+    first, *others = verdict.candidates
     rows = [
         [
             candidate.title,
@@ -253,10 +254,13 @@ def ladder_rows(verdict: BandVerdict) -> tuple[list[str], list[list[str]]]:
             probability_text(candidate.share),
             candidate.outcome,
         ]
-        for candidate in sorted(verdict.candidates, key=lambda candidate: candidate.count)
+        for candidate in (first, *sorted(others, key=lambda candidate: candidate.count))
     ]
-    leaves = f"leaves, {scale.unit or verdict.score_unit}"
-    return ["law", "parameters", "stays within", "worst", leaves, "probability", ""], rows
+    rest = 1.0 - math.fsum(candidate.share for candidate in verdict.candidates)
+    if rest >= LEAST:
+        rows.append(["Laws not shown", *[NO_VALUE] * 4, probability_text(rest), ""])
+    scatter = f"scatter, {scale.unit or verdict.score_unit}"
+    return ["law", "parameters", "differs by", "worst", scatter, "probability", ""], rows
 
 
 def untold_of_law(judgement: Judgement, fit: LawFit) -> Iterator[str]:
@@ -332,7 +336,7 @@ def candidate_of(
         name=name_of(judgement, rung),
         title=title + beside_of(judgement, rung),
         fit=fit,
-        outcome="named" if named else NOT_DISTINGUISHED if alike else "",
+        outcome="named" if named else NOT_RULED_OUT if alike else "",
         structure=rung.structure,
         share=rung.share,
         left=judgement.problem.scatter(rung),
@@ -363,7 +367,7 @@ def readings_sentence(
         said += [inputs_text(values, turning=measurement.turning)] if values else []
         texts[k] = f"{text} at {joined(said)}"
     texts = [text for _, text in sorted(zip(places, texts, strict=True))]
-    return advice_sentence(proposal, texts, listed=listed) if texts else NO_READINGS
+    return advice_sentence(proposal, texts, listed=listed) if texts else nothing_further(proposal)
 
 
 def ladder_verdict(
@@ -425,9 +429,11 @@ def ladder_verdict(
     if wrong and lede:
         lede = f"If units, gains and signs are right: {in_sentence(lede)}"
     left = first.left / judgement.problem.size
+    scatter = "scatter" if words.measured.endswith("s") else "scatters"
     settles = [
-        f"The law leaves {quantity(first.left, words.force_unit, 2)} of the {words.measured}"
-        f" (root mean square)" + (f", {percent(left)} of friction." if left <= 1.0 else "."),
+        f"The {words.measured} {scatter} about the law by"
+        f" {quantity(first.left, words.force_unit, 2)} (root mean square)"
+        + (f", {percent(left)} of friction." if left <= 1.0 else "."),
         *filter(None, (simpler_sentence(judgement),)),
         *said,
     ]

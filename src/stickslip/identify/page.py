@@ -5,11 +5,12 @@ from functools import partial
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.figures import BandDrawing, draw_band, draw_run
 from stickslip.identify.fits import Estimate
+from stickslip.identify.judgement import RIVAL
 from stickslip.identify.ladder import ladder_rows
 from stickslip.identify.verdict import BandVerdict, importance
 from stickslip.show.formatting import (
     interval,
-    parameter_words,
+    number,
     percent,
     with_unit,
     within,
@@ -83,7 +84,7 @@ def facts(verdict: Verdict) -> list[Fact]:
     result = []
     for own, every in _estimates(verdict):
         value = with_unit(within(own.value, every.low, every.high), own.quantity.unit)
-        what = f"{parameter_words(own.path)} ${own.quantity.symbol}$, 95 % over all laws"
+        what = f"{own.words} ${own.quantity.symbol}$, 95 % over all laws"
         aside = interval(every.low, every.high)
         result.append(Fact(value=value, what=what, aside=aside))
     return result[:MOST]
@@ -111,13 +112,13 @@ def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
     over = drawing.names[0]
     text = (
         "**Friction.** Points: readings, hollow where they lie far from the others. Line:"
-        f" {verdict.closest.title}. Band: where friction lies with 95 % at each {over}, whichever"
-        " law holds, or none."
+        f" {verdict.closest.title}. Band: the 95 % interval of friction at each {over}, whichever"
+        " law holds, if any."
     )
     if over != "velocity":
-        text += " What else differs between readings, by the law, is taken off them."
+        text += " What else differs between the readings is corrected for by the law."
     if drawing.places:
-        text += " Dotted: where further readings narrow the band most."
+        text += " Dotted: where further readings would narrow the band most."
     heading = f"Friction over the {'speed' if over == 'velocity' else over}"
     return band_section(drawing, f"Friction against {over}", heading, text, prefix)
 
@@ -141,23 +142,25 @@ def laws_section(verdict: BandVerdict, *, with_caption: bool = True) -> Section:
     """
     (law, *heads, _), texts = ladder_rows(verdict)
     rows = tuple(
-        Row(cells=(Name(text=title, aside=outcome), *cells)) for title, *cells, outcome in texts
+        Row(cells=(Name(text=title, aside=outcome), *cells), chosen=outcome == "named")
+        for title, *cells, outcome in texts
     )
     others = (Column(head=head, numeric=True, phone="label") for head in heads)
     columns = (Column(head=law), *others)
     caption = (
-        "Each law is fitted to the curve of friction that the readings make most probable, which"
-        " need not be a law. Stays within: by how much of friction it is off at most at 95 % of the"
-        " speeds. Worst: where it is off most. Leaves: root mean square of the readings about it."
-        " Probability: of the law, whatever small rest no law says. Named is the law with the"
-        f" largest probability that a rest below {percent(verdict.judgement.tolerance)} of friction"
-        " does not matter; where each law leaves more, the one that is closest with few parameters."
+        "Differs by: how far the law is from the most probable friction curve, over friction, at"
+        " 95 % of the speeds. Worst: the largest difference. Scatter: root mean square of the"
+        " readings about the law. Probability: that the law holds, but for a small discrepancy that"
+        f" no law describes. A law is ruled out at odds of {number(RIVAL)} to 1 against it. The"
+        " named law is the most probable one that describes friction to"
+        f" {percent(verdict.judgement.tolerance)}; if none does, the one that differs least for its"
+        " number of parameters."
     )
     table = Table(columns=columns, rows=rows, caption=caption if with_caption else "")
     count = len(verdict.set)
-    heading = "Laws by their number of parameters"
+    heading = "The named law and others"
     if count > 1:
-        heading = f"{count} laws cannot be distinguished by these readings"
+        heading = f"{count} laws are not ruled out by the measurement"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
@@ -173,20 +176,20 @@ def parameters_section(verdict: Verdict, *, with_caption: bool = True) -> Sectio
         rows.append(
             Row(
                 cells=(
-                    Name(text=f"${own.quantity.symbol}$", aside=parameter_words(own.path)),
-                    Number(value=value, doubt=doubt, unit=unit),
+                    Name(text=f"${own.quantity.symbol}$", aside=own.words),
                     with_unit(interval(every.low, every.high), unit if every.known else ""),
+                    Number(value=value, doubt=doubt, unit=unit),
                 )
             )
         )
     columns = (
         Column(head="parameter"),
-        Column(head="95 % if this law holds", numeric=True),
-        Column(head="95 % over all laws", numeric=True, phone="label"),
+        Column(head="95 % over all laws", numeric=True),
+        Column(head="95 % if this law holds", numeric=True, phone="label"),
     )
     caption = (
-        "Right: over all laws of the band that have the parameter, by their shares. Levels are over"
-        " the normal force, or forces where none is known."
+        "Quote the first interval, which allows for every law that has the parameter, less for"
+        " less probable ones. The second holds only if the named law does."
     )
     table = Table(columns=columns, rows=tuple(rows), caption=caption if with_caption else "")
     heading = f"Parameters of {verdict.closest.title}"

@@ -6,7 +6,7 @@ linear Gaussian update says what is left of what is asked.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +40,7 @@ class Proposal:
     places: tuple[int, ...]
     """Offered places, in the order of their gain; one may stand for several readings."""
     shrinks: float
-    """Expected width of the band after them, over today's."""
+    """Expected width of the band after them, over today's; above 1 it gets wider."""
     halves: int | None = None
     """Readings, chosen so, by which the band is expected to halve; None if too many."""
     least: float = 0.0
@@ -66,6 +66,7 @@ def propose(
     rest: Array | float = 0.0,
     enough: float = HALF,
     shared: Array | float = 0.0,
+    going: Callable[[int], Array | float] = lambda _: 0.0,
 ) -> Proposal:
     r"""Return the readings that narrow the band of curves at asked places (d, n).
 
@@ -79,6 +80,7 @@ def propose(
     many halve it. `noise` are standard deviations (m,) or (m, r), and `rest` is the variance (n,)
     that no reading takes off, such as that from run to run. Errors of readings that repeats do not
     take off have the covariance `shared` (m r, m r): the block of a place, the run of all places.
+    What changes on while so many readings are made, as by a drift, adds a variance `going` (n,).
     (Measured: the widest place shrinks the width to .71; rehearsing draws as truths gained nothing
     over it, and neither do places that separate the named law from the next one: either leaves one
     law in 2 of 7 tables, the second with a band 1.2 times as wide.)
@@ -112,12 +114,12 @@ def propose(
 
     def width() -> float:
         """Return the mean standard deviation at the asked places."""
-        return float(np.mean(np.sqrt(np.maximum(variance, 0.0) + rest)))
+        return float(np.mean(np.sqrt(np.maximum(variance, 0.0) + rest + going(len(chosen)))))
 
+    chosen, shrinks = list[int](), [1.0]
     start = width()
     if not start:
         return Proposal(places=(), shrinks=1.0, widths=(1.0,))
-    chosen, shrinks = list[int](), [1.0]
     while len(chosen) < max(COUNTED, taken):
         if shrinks[-1] <= (enough if len(chosen) < taken else HALVED):
             break
@@ -134,7 +136,7 @@ def propose(
     some = min(taken, len(chosen))
     widths = tuple(shrinks[1 : some + 1])
     if enough and shrinks[some] >= WORTH:
-        return Proposal(places=(), shrinks=1.0, widths=widths)
+        return Proposal(places=(), shrinks=max(1.0, shrinks[some]), widths=widths)
     halves = next((k for k, x in enumerate(shrinks) if x <= HALVED), None)
     return Proposal(
         places=tuple(chosen[:some]),
@@ -148,7 +150,7 @@ def propose(
 def rehearsed(
     laws: Sequence[tuple[float, Array, Array]],
     errors: Array,
-    rest: Array,
+    rest: tuple[Array, Array],
     doubt: float,
     odds: float,
 ) -> tuple[Array, NDArray[np.bool_]]:
@@ -158,14 +160,15 @@ def rehearsed(
     stands for all that is no law. Readings are drawn from one of them with `errors`, a covariance
     (m, m), and update each as in `propose`: its mass by their density, which has a mean and a
     covariance. One law is left at `odds` over each other. Where the logarithm of the noise is known
-    to a deviation, it comes out off by the `doubt` that readings take off that. `rest` as there.
+    to a deviation, it comes out off by the `doubt` that readings take off that. `rest` as there,
+    before and after them.
 
     Examples
     --------
     >>> rng = np.random.default_rng(0)
     >>> near, far, none = (x + rng.normal(size=(300, 1)) for x in (0.0, 20.0, 9.0))
     >>> laws = [(0.5, near, near), (0.5, far, far), (0.0, none, none)]
-    >>> widths, alone = rehearsed(laws, np.eye(1), np.zeros(1), 0.0, 100.0)
+    >>> widths, alone = rehearsed(laws, np.eye(1), (np.zeros(1),) * 2, 0.0, 100.0)
     >>> round(float(np.median(widths)), 2), float(np.mean(alone))  # sqrt(1/2) over sqrt(101)
     (0.07, 1.0)
     """
@@ -188,14 +191,14 @@ def rehearsed(
     weights = np.exp(np.array(logs) - np.max(logs, axis=0))
     weights /= weights.sum(axis=0)
 
-    def width(shares: Array, middles: Array, own: Array) -> Array:
+    def width(shares: Array, middles: Array, own: Array, rest: Array) -> Array:
         """Return the mean standard deviation (k,) of what is asked, over several laws."""
         middle = np.einsum("lk,lkn->kn", shares, middles)
         spread = np.einsum("lk,lkn->kn", shares, own + (middles - middle) ** 2)
         return np.asarray(np.mean(np.sqrt(spread + rest), axis=1))
 
     first, spread, then, left = (np.array(item) for item in zip(*known, strict=True))
-    widths = width(weights, then, left) / width(mass[:, None], first, spread)
+    widths = width(weights, then, left, rest[1]) / width(mass[:, None], first, spread, rest[0])
     ordered = np.sort(np.vstack([np.zeros((2, COUNTED)), weights[:-1]]), axis=0)
     alone = np.asarray((ordered[-1] >= odds * ordered[-2]) & (ordered[-1] > 0.0))
     return widths * np.exp(doubt * rng.normal(size=COUNTED)), alone

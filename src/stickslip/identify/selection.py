@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -25,7 +25,6 @@ from stickslip.identify.certificate import certificate_of
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import (
     Hold,
-    drives_itself,
     goes_straight,
     inside,
     load_of,
@@ -126,7 +125,7 @@ def select_table(
         force_unit=measurement.unit("friction"),
         speed_unit=measurement.unit("velocity"),
     )
-    proposal, chosen = further_readings(judgement)
+    proposal, chosen, *_ = further_readings(judgement)
     foreseer = partial(_foreseen_readings, judgement, mechanism)
     ordered_by = problem.model.ordered_by
     remarks = [ORDERED.format(ordered_by)] * bool(ordered_by)
@@ -149,15 +148,37 @@ def select_table(
     )
 
 
-def _wanted(judgement: Judgement) -> tuple[Rows, Array, Array, Array]:
-    """Return the rows (n,) at which friction is wanted, and how it grows with the load there.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Wanted:
+    """Friction as it is wanted: early, midway and late in a table."""
 
-    Then its draws (k, n), and the variance (n,) that no reading takes off.
-    """
+    rows: Rows
+    """Where it is wanted (n,)."""
+    grown: Array
+    """How friction grows with the load there (n,)."""
+    steady: Array
+    """Its draws (k, n)."""
+    rest: Array
+    """The variance over the squared growth that no reading takes off (n,)."""
+    made: int
+    """Readings that were made."""
+
+    def going(self, more: int) -> Array:
+        """Return the variance (n,) that a drift is as it goes on while more readings are made.
+
+        It goes on as it did from midway to the end.
+        """
+        first, middle, last = np.mean(self.steady / self.grown, axis=0).reshape(3, -1)
+        further, slope = more / self.made, 2.0 * (last - middle)
+        ends = [first, middle + 0.5 * further * slope, last + further * slope]
+        return np.tile(np.var(ends, axis=0), 3)
+
+
+def _wanted(judgement: Judgement) -> _Wanted:
+    """Return where friction is wanted, and what is known of it."""
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
     offered = problem.offered()
-    # friction is wanted early, midway and late
     times, n = (0.0, 0.5, 1.0), len(offered.velocity)
     rows = offered.where(np.tile(np.arange(n), len(times)))
     rows = replace(rows, order=np.repeat(times, n))
@@ -167,26 +188,54 @@ def _wanted(judgement: Judgement) -> tuple[Rows, Array, Array, Array]:
     grown = np.tile(problem.model.frame.grown(offered), len(times))
     # what runs differ, and ends that may be outliers, no reading takes off
     rest = np.maximum(np.var(curves, axis=0) - np.var(steady, axis=0), 0.0) / grown**2
-    return rows, grown, steady, rest
+    return _Wanted(
+        rows=rows, grown=grown, steady=steady, rest=rest, made=problem.table.total
+    )  # fmt: skip
 
 
-def further_readings(judgement: Judgement, count: int | None = None) -> tuple[Proposal, Rows]:
-    """Return which readings of a table to make, with their rows in the order of their gain.
+def further_readings(
+    judgement: Judgement, count: int | None = None
+) -> tuple[Proposal, Rows, Array, "NDArray[np.bool_]"]:
+    """Return which readings of a table to make, their rows in the order to make them, what comes.
 
     They are no more than were made, and end where little is left to gain, if no count is given.
+    What comes are widths of the band (k,) over that of now, of which the proposal has the middle,
+    and whether they leave one law (k,).
     """
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
-    _, grown, steady, rest = _wanted(judgement)
-    offered = problem.offered()
+    wanted, offered = _wanted(judgement), problem.offered()
     noise, shared = problem.errors(offered)
-    midway = steady[:, len(noise) : 2 * len(noise)]  # none can be early or late in what was made
+    # none can be early or late in what was made
+    midway = wanted.steady[:, len(noise) : 2 * len(noise)]
     proposal = propose(
-        steady / grown, midway, noise,
-        min(MOST, problem.table.total) if count is None else count,
-        rest, HALF if count is None else 0.0, shared,
+        wanted.steady / wanted.grown, midway, noise,
+        min(MOST, wanted.made) if count is None else count,
+        wanted.rest, HALF if count is None else 0.0, shared, wanted.going,
     )  # fmt: skip
-    return proposal, offered.where(np.array(proposal.places, dtype=np.intp))
+    rows = offered.where(np.array(proposal.places, dtype=np.intp))
+    if not proposal.places:
+        return proposal, rows, np.ones(1), np.zeros(1, dtype=bool)
+    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
+    known = problem.table.rows
+    inputs = {name: _settable(x, known.inputs[name]) for name, x in rows.inputs.items()}
+    rows = replace(rows, velocity=_settable(rows.velocity, known.velocity),
+                   load=_settable(rows.load, known.load), inputs=inputs)  # fmt: skip
+    widths, alone = foreseen_widths(judgement, rows, wanted)
+    middle = float(np.median(widths))
+    # what halves the band is not said of readings that are expected to do so
+    halves = len(proposal.places) if middle <= 0.5 else proposal.halves
+    return replace(proposal, shrinks=middle, halves=halves), rows, widths, alone
+
+
+def _settable(values: Array, known: Array) -> Array:
+    """Return values (n,) with three digits, or more if what is known (m,) spans less than them."""
+    span = float(np.ptp(known))
+    if not span:
+        return np.full(len(values), known[0])
+    sizes = np.minimum(np.where(values, np.abs(values), span), span)
+    places = (2 - np.floor(np.log10(sizes))).astype(int).tolist()
+    return np.array([round(x, n) for x, n in zip(values.tolist(), places, strict=True)])
 
 
 def settings_of(problem: TableProblem, rows: Rows) -> dict[str, Any]:
@@ -224,7 +273,9 @@ def with_readings(measurement: Measurement, rows: Rows) -> Measurement:
     )  # fmt: skip
 
 
-def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[np.bool_]"]:
+def foreseen_widths(
+    judgement: Judgement, rows: Rows, wanted: _Wanted
+) -> tuple[Array, "NDArray[np.bool_]"]:
     """Return to which widths of the band readings at rows may come, and whether they leave one law.
 
     Rows are in SI, widths (k,) over that of now; laws (k,) that are one already are not left by
@@ -233,7 +284,8 @@ def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[n
     problem = judgement.problem
     assert isinstance(problem, TableProblem)
     posterior, model, taken = problem.posterior, problem.model, len(rows.velocity)
-    aims, grown, _, rest = _wanted(judgement)
+    aims, grown = wanted.rows, wanted.grown
+    rest = wanted.rest + wanted.going(0), wanted.rest + wanted.going(taken)
     noise, shared = problem.errors(rows)
     far = np.array([model.unexplained(x) for x in posterior.nodes])[:, None]
     far = far > judgement.tolerance * problem.size
@@ -245,8 +297,8 @@ def foreseen_widths(judgement: Judgement, rows: Rows) -> tuple[Array, "NDArray[n
     midway, every = replace(rows, order=np.full(taken, 0.5)), []
     for mass, only in laws:
         draws = posterior.draws(EACH, seed=1, only=only)
-        wanted, read = (within_band(problem.steady(at, draws)) for at in (aims, midway))
-        every.append((mass, wanted / grown, read))
+        asked, read = (within_band(problem.steady(at, draws)) for at in (aims, midway))
+        every.append((mass, asked / grown, read))
     sizes = np.hypot([*map(model.sigma, posterior.nodes)], np.median(problem.table.stated))
     sizes, weights = np.log(sizes), posterior.weights.sum(axis=1)
     share = taken / (taken + problem.table.total)
@@ -310,13 +362,11 @@ def problem_of_records(
     turning: bool = False,
     highest: float = math.inf,
     timed: bool = False,
-    force_recorded: bool = True,
 ) -> RecordProblem | FreeMotionProblem:
     """Return records with the normal force, and the parameters that are looked for.
 
     A constant force is among these with `offset`. What nothing drives is a free motion. It may be
-    known how forces run between samples (`timed`), or that a drive of the mechanism makes them
-    (not `force_recorded`).
+    known how forces run between samples (`timed`).
     """
     loads = [record.load for record in records if record.load is not None]
     slopes: dict[str, tuple[float, float]] = {}
@@ -353,7 +403,6 @@ def problem_of_records(
         turning=turning,
         highest=highest,
         timed=timed,
-        force_recorded=force_recorded,
     )
 
 
@@ -391,7 +440,7 @@ def select_record(
     made = partial(records_of, unknown=vary, offset=offset, held=held, doubts=doubts)
     problem_of = partial(
         problem_of_records, vary=vary, offset=offset, turning=measurement.turning,
-        timed=hold is not None, force_recorded=not drives_itself(mechanism, measurement),
+        timed=hold is not None,
     )  # fmt: skip
     runs = followed(mechanism, measurement, vary, doubts=doubts, offset=offset, hold=hold)
     if runs is None:
@@ -583,8 +632,8 @@ def run_sentences(
     left = problem.followed(judgement.named)
     unit = measurement.unit("position" if problem.balance.each[0].record.located else "velocity")
     if not math.isfinite(left):
-        return ["A run of the law does not follow the motion."]
+        return ["A simulation with the law does not follow the motion."]
     return [
-        f"A run of the law leaves {quantity(left, unit, 2)} of the motion (root mean"
+        f"A simulation with the law differs from the motion by {quantity(left, unit, 2)} (root mean"
         f" square); a reading has an error of {quantity(problem.model.sigma, unit, 2)}."
     ]

@@ -24,6 +24,7 @@ from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand, 
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
+    as_level,
     estimates_for,
     inputs_text,
     typical_inputs,
@@ -44,6 +45,10 @@ from stickslip.show.formatting import Scale, interval, joined, number, with_unit
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
     from stickslip.show.display import Drawing, Target
+
+TO_LIMIT = 0.05
+"""Lower end over the upper one, counted from where a parameter cannot be, up to which it may be
+there: it is .05 of a normal estimate 1.5 deviations above, held to what can be."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -690,19 +695,24 @@ def estimates_of(
         name = one.path.rpartition(".")[2]
         own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
         unit = unit_of(one.path, own, per_load=per_load, turning=measurement.turning)
-        own = replace(own, unit=unit)
+        own = as_level(replace(own, unit=unit))
         low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
-        least = own.low if own.above is None else max(own.low, own.above)
+        lowest = own.low if own.above is None else max(own.low, own.above)
         # what is no law has values that laws lack
-        least = least if least <= one.value and math.isfinite(low) else -math.inf
+        least = lowest if lowest <= one.value and math.isfinite(low) else -math.inf
         ends = math.isfinite(low) + math.isfinite(high)
-        reason = ("no reading tells it from the others", "the speeds measured do not bound it", "")[
-            ends
-        ]
-        outside = one.path.startswith("mechanism.") and not _holds_possible(own, low, high)
-        if outside and math.isfinite(high - low):
+        reason = (
+            "no reading distinguishes it from the others",
+            "the speeds measured do not bound it",
+            "",
+        )[ends]
+        of_rig, ends_known = one.path.startswith("mechanism."), math.isfinite(high - low)
+        if of_rig and ends_known and not _holds_possible(own, low, high):
             reason = f"it lies where it cannot be, {interval(low, high)}"
             low, high, least = -math.inf, math.inf, -math.inf
+        elif of_rig and ends_known and low <= lowest + TO_LIMIT * (high - lowest):
+            reason = f"not identified: it may be as small as {with_unit(number(lowest), unit)}"
+            low = least = -math.inf
         if high <= least:
             bound = with_unit(number(least), unit)
             low, high, reason = -math.inf, math.inf, f"it reached its lower bound, {bound}"
@@ -710,7 +720,7 @@ def estimates_of(
         return Estimate(
             path=one.path,
             quantity=own,
-            value=one.value,
+            value=max(one.value, lowest) if of_rig else one.value,
             low=max(low, least),
             high=max(high, least),
             interval="95 %",

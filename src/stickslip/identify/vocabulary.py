@@ -52,6 +52,8 @@ PARTS: Mapping[str, Part] = {
     ),
 }
 """Parts of laws by name."""
+GEAR = "gear"
+"""Term of a level that grows with the size of what a gear transmits, whatever the load is."""
 SIGNED = frozenset(name for name, part in PARTS.items() if part.signed)
 DRY = frozenset(name for name, part in PARTS.items() if part.dry)
 
@@ -118,9 +120,13 @@ class Grid:
         return [((), 1.0)]
 
     def families(self, names: Sequence[Family]) -> Iterator[tuple[Family, list[Shape], float]]:
-        """Yield families with the shape of each term, and the logarithm of their prior."""
+        """Yield families with the shape of each term, and the logarithm of their prior.
+
+        A level by what a gear transmits costs one place from usual to unusual more.
+        """
         for family in names:
-            place = FAMILIES.get(" ".join(family), max(FAMILIES.values()))
+            rest = " ".join(name for name in family if name != GEAR)
+            place = FAMILIES.get(rest, max(FAMILIES.values())) + (GEAR in family)
             for some in itertools.product(*(self.shapes(item, family) for item in family)):
                 prior = math.fsum(math.log(p) for _, p in some) - PLACE * place
                 yield family, [shape for shape, _ in some], prior

@@ -12,11 +12,12 @@ from stickslip.identify.candidates import MOST, in_sentence
 from stickslip.identify.fits import Estimate
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.posterior import Array
-from stickslip.identify.propose import COUNTED, Proposal
+from stickslip.identify.propose import COUNTED, WORTH, Proposal
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import (
     at_worst,
     capital,
+    in_words,
     interval,
     joined,
     number,
@@ -26,9 +27,6 @@ from stickslip.show.formatting import (
     with_unit,
     within,
 )
-
-AS_EXPECTED = 0.85
-"""Share of the readings of a second measurement in the 95 % band below which it differs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,9 +124,12 @@ def band_sentence(
     middle, worst = float(np.median(share)), int(np.argmax(share))
     over = capital(range_of(speeds, words.speed_unit))
     if middle > 1.0:
-        farthest = max(float(np.max(np.abs(band.low))), float(np.max(np.abs(band.high))))
-        reach = quantity(farthest, words.force_unit, 2)
-        return f"{over}, {what} is within ± {reach} of zero (95 % band over all candidate laws)."
+        ends = np.abs([band.low, band.high])
+        reach = span(float(ends.min()), float(ends.max()), words.force_unit, 2)
+        if not band.brakes(speeds):
+            farthest = quantity(float(ends.max()), words.force_unit, 2)
+            reach = f"within ± {farthest} of zero"
+        return f"{over}, {what} is {reach} (95 % band over all candidate laws)."
     said = f"{over}, {what} is known to ± {percent(middle)}"
     if share[worst] > 1.5 * middle:
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
@@ -137,14 +138,14 @@ def band_sentence(
 
 
 def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
-    """Return an interval under the named law, and over all laws that have the parameter."""
+    """Return an interval over all laws that have the parameter, and that under the named law."""
     unit = estimate.quantity.unit
-    value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
-    own = interval(estimate.low, estimate.high)
-    said = f"${estimate.quantity.symbol}$ = {value}: {own} if {phrase} holds"
+    value = with_unit(within(other.value, other.low, other.high), unit)
+    said = f"${estimate.quantity.symbol}$ = {value} (95 %: {interval(other.low, other.high)}"
     if (other.low, other.high) != (estimate.low, estimate.high):
-        said += f", {interval(other.low, other.high)} over all laws that have it"
-    return f"{said}."
+        said += f" over all laws that have it, {interval(estimate.low, estimate.high)} if {phrase}"
+        said += " holds"
+    return f"{said})."
 
 
 def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
@@ -166,8 +167,8 @@ ORDERED = (
 
 
 SCALED = (
-    "A free motion tells friction over inertia only: friction is as uncertain as the mass or"
-    " inertia that was given, 1 % of which is 1 % of friction."
+    "A free motion determines only the ratio of friction to inertia: an error of 1 % in the given"
+    " mass or inertia is an error of 1 % in friction."
 )
 
 
@@ -175,6 +176,18 @@ NO_READINGS = (
     "Further readings of these runs are not expected to narrow the band by a twentieth: measure"
     " another run or specimen, as a further trial."
 )
+
+
+DRIFTING = (
+    "Friction drifts, and further readings are expected to widen the band to {} of today's while it"
+    " does: remove the cause, or begin where friction is steady."
+)
+
+
+def nothing_further(proposal: Proposal) -> str:
+    """Return why no readings are proposed."""
+    wider = proposal.shrinks * WORTH > 1.0
+    return DRIFTING.format(percent(proposal.shrinks)) if wider else NO_READINGS
 
 
 NO_RECORDS = (
@@ -191,11 +204,11 @@ def advice_sentence(proposal: Proposal, places: Sequence[str], *, listed: bool =
     counts: dict[str, int] = {}
     for place in places:
         counts[place] = counts.get(place, 0) + 1
-    expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
+    expected = f"the band is expected to narrow to {percent(proposal.shrinks)} of its width"
     if (proposal.halves or 0) > len(places):
         expected += f"; about {proposal.halves} such readings would halve it"
     elif proposal.halves is None and proposal.least > 0.5:
-        expected += f"; even {COUNTED} such readings are not expected to halve it"
+        expected += f"; even {COUNTED} such readings would not halve it"
     if len(counts) <= MOST:
         named = [p if n == 1 else f"{p} ({n} readings)" for p, n in counts.items()]
         return f"Measure at {joined(named)}: {expected}."
@@ -216,7 +229,7 @@ def motions_sentence(shrinks: Sequence[float], share: float) -> str:
     """
     start = f" from {percent(share)} of its start" if share < 1.0 else ""
     return (
-        f"Record another such motion{start} as a further trial: with it the band is expected to be"
+        f"Record another such motion{start} as a further trial: the band is expected to narrow to"
         f" {_halving(shrinks)}"
     )
 
@@ -224,8 +237,11 @@ def motions_sentence(shrinks: Sequence[float], share: float) -> str:
 def _halving(shrinks: Sequence[float]) -> str:
     """Return how wide a band is after one more, and how many halve it, as the end of a sentence."""
     enough = next((k for k, x in enumerate(shrinks, 1) if x <= 0.5), None)
-    many = f"even {len(shrinks)} do not" if enough is None else f"it takes {enough} to"
-    return f"{percent(shrinks[0])} as wide; {many} halve it."
+    said = f"{percent(shrinks[0])} of its width"
+    if enough == 1:
+        return f"{said}."
+    many = f"even {in_words(len(shrinks))}" if enough is None else in_words(enough)
+    return f"{said}; {many} such records would{' not' if enough is None else ''} halve it."
 
 
 def again_sentence(
@@ -238,21 +254,21 @@ def again_sentence(
     mine, new = widths_text([own, other], unit)
     what = "this record" if runs < 2 else f"these {runs} runs"
     result = (
-        f"Record it again, on another day, as a further trial (or --validate): friction of {what}"
-        f" is known to ± {mine} and that of another one, which may differ as runs usually do, to"
+        f"Make another record, on another day, as a further trial or with --validate. Friction in"
+        f" {what} is known to ± {mine}; in another run, which may differ as runs usually do, to"
         f" ± {new}."
     )
     if not shrinks:
         return result
-    return f"{result} With it, the latter is expected to be {_halving(shrinks)}"
+    return f"{result} With one more, the latter band is expected to narrow to {_halving(shrinks)}"
 
 
 def third_load_sentence(loads: Array) -> str:
     """Return which load to measure at where two (2,) [N] leave open how friction depends on it."""
     between = quantity(float(np.sqrt(loads[0] * loads[1])), "N", 2)
     return (
-        f"Measure at a third load, such as {between} or beyond both: two do not tell a power of the"
-        " load from a part of friction that no load changes."
+        f"Measure at a third load, such as {between} or beyond both: two loads cannot distinguish a"
+        " power of the load from a part of friction that does not depend on it."
     )
 
 
@@ -266,8 +282,8 @@ def usual_sentence(estimate: Estimate, level: float, low: float, high: float, at
 
 
 RADIUS_SENTENCE = (
-    "Friction is a torque and the load a force: levels over the load are in m, the coefficient of"
-    " friction times the radius at which it acts, which nothing here distinguishes."
+    "Friction is a torque and the load a force: their ratio, in m, is the coefficient of friction"
+    " times the radius at which it acts, and these data cannot separate the two."
 )
 """What levels of a torque over a load are."""
 UNIT_LOAD_SENTENCE = (
@@ -294,12 +310,13 @@ def lacking_sentences(
     are the means of inputs, of which there may be `several`.
     """
     there = f" at {at}" if at else ""
-    driven = f", from which it is off by up to {off} where friction would drive" if off else ""
+    driven = f"; it is off by up to {off} where friction would drive the motion" if off else ""
     each = (
-        f"No law of stickslip.friction can carry {in_sentence(title)}: what is handed over is a"
-        f" table of its levels{there} in both directions, constant beyond them{driven}." * table,
-        f"What changes with several inputs is a product in the law, not a sum: both are the same"
-        f"{there}." * several,
+        f"stickslip.friction has no law of the form {in_sentence(title)}: the law that is written"
+        f" is a table of its friction{there} in both directions, constant beyond its last"
+        f" velocities{driven}." * table,
+        f"The law that is written multiplies the effects of several inputs, where the fit adds"
+        f" them: the two agree{there}." * several,
         "The constant force beyond that of the mechanism is in the levels of the law, which differ"
         " by direction. If it is the zero of the sensor, subtract it from the readings." * offset,
     )
@@ -334,7 +351,7 @@ def second_sentence(foreseen: Foreseen) -> str:
     """Return how many readings of a second measurement lie in the band, and their error."""
     count = f"{len(foreseen.measured):,} readings of the second measurement"
     said = f"{percent(foreseen.inside)} of the {count} lie in the band"
-    if foreseen.inside >= AS_EXPECTED:
+    if not foreseen.differs:
         said += ", as expected"
     else:
         said += " in which 95 % should: it differs by more than this measurement shows"

@@ -502,6 +502,7 @@ __all__ = [
     "BlockChain",
     "BoundedMechanism",
     "Capsule",
+    "Coil",
     "Contact",
     "ContactInputs",
     "CurrentLoop",

@@ -238,6 +238,32 @@ def check_replaceable(folder: Path, names: Collection[str]) -> None:
             )
 
 
+def is_earlier(folder: Path, names: Collection[str]) -> bool:
+    """Return whether a folder holds nothing but files of these names as they were written there.
+
+    What a process that was killed has left of such a file counts as one.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as place:
+    ...     folder = Path(place) / "report"
+    ...     write_folder(folder, {"index.html": "first"})
+    ...     first = is_earlier(folder, ["index.html"])
+    ...     _ = (folder / "notes.txt").write_text("mine")
+    ...     first, is_earlier(folder, ["index.html"])
+    (True, False)
+    """
+    listed, found = _listed(folder), [*folder.iterdir()]
+    ours = {LIST, *names} if listed is not None else set()
+    return bool(found) and all(
+        path.is_file() and not path.is_symlink() and becomes(path) in {LIST, *names}
+        if becomes(path)
+        else path.name in ours and (path.name == LIST or _is_listed(path, listed or {}))
+        for path in found
+    )
+
+
 def write_files(files: Mapping[Path, str | bytes]) -> None:
     """Write files that belong together; old ones never stand beside new ones."""
     contents = {path: _encoded(path, text) for path, text in files.items()}

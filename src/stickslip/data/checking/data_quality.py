@@ -56,12 +56,14 @@ from stickslip.data.tolerances import (
     FEWEST,
     FEWEST_SAMPLES,
     GAP,
+    HALF,
     INTERVAL,
     LISTED,
     MOSTLY,
     NEARLY_ALL,
     NEGLIGIBLE,
     PER_MILLE,
+    ROUNDED,
     SIX_DIGITS,
     SLIGHT,
     SMALL,
@@ -1130,6 +1132,7 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     doubt = 10 * spread + 2 * max(step_of(position), count) / dt
     at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
     at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
+    at = at[~_are_counts(position, at)]
     worst = at[np.argsort(-np.abs(speed[at] * dt[at]), kind="stable")][:LISTED]
     for i in np.sort(worst):
         step, usual = float(speed[i] * dt[i]), float(allowed[i] * dt[i])
@@ -1142,6 +1145,21 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     if at.size > LISTED:
         text = f"{number(at.size, 7)} such jumps of position in total; the largest are listed."
         yield remark("jump", "warning", text, jumps=at.size)
+
+
+def _are_counts(position: Array, at: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return which steps (k,) of positions are those of a coarse sensor, of whatever noise or grid.
+
+    It stays at each count, its steps are alike, and between them it hardly moves.
+    """
+    moved = np.abs(np.diff(position))
+    after = position[np.minimum(at + 2, moved.size)]
+    stays = np.abs(after - position[at]) > HALF * moved[at]
+    if np.count_nonzero(stays) < FEWEST_SAMPLES:
+        return np.zeros(at.size, dtype=bool)
+    count = float(np.median(moved[at[stays]]))
+    between = float(np.median(np.abs(position[at[1:]] - after[:-1])))
+    return stays & (moved[at] < 2.0 * count) & (between < ROUNDED * count)
 
 
 def _runs(values: Array) -> tuple[Array, Array]:

@@ -226,7 +226,8 @@ def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
     result = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in result.items() if _is_vector(value)}
-    vectors = vectors or dict(_split(result)) or dict(_cells(result))
+    signals = dict(_split(result))
+    vectors = vectors or signals or dict(_cells(result))
     if not vectors:
         listed = [f"{name} {_shape(value)}" for name, value in result.items()]
         raise InputError(
@@ -234,8 +235,9 @@ def read_mat(path: Path, names: Collection[str] = ()) -> FileTable:
             f" {joined(listed, MOST_LISTED) or 'nothing'}. Save time and signals as vectors of"
             " equal length."
         )
+    size = _size(vectors | {name: signals[name] for name in names if name in signals}, names)
+    vectors |= signals
     check_size(str(path), sum(value.size for value in vectors.values()), CURE)
-    size = _size(vectors, names)
     columns = {
         name: np.asarray(value, dtype=float).ravel()
         for name, value in vectors.items()
@@ -260,10 +262,10 @@ def _size(vectors: Mapping[str, Any], names: Collection[str]) -> int:
 
 
 def _split(found: Mapping[str, Any]) -> Iterator[Found]:
-    """Yield the rows or columns of matrices, whichever are longer, as ``name(1)``."""
+    """Yield the rows or columns of matrices, whichever are longer, as ``name 1``."""
     for name, value in found.items():
-        if isinstance(value, np.ndarray) and _is_signals(value):
-            yield from ((f"{name}({i})", row) for i, row in enumerate(_signals(value), 1))
+        if isinstance(value, np.ndarray) and _is_signals(value) and not _is_vector(value):
+            yield from ((f"{name} {i}", row) for i, row in enumerate(_signals(value), 1))
 
 
 def _cells(found: Mapping[str, Any]) -> Iterator[Found]:
@@ -277,7 +279,7 @@ def _cells(found: Mapping[str, Any]) -> Iterator[Found]:
                 sizes = [table.shape[1] for table in tables]
                 yield TRIAL, np.repeat(np.arange(len(tables)) + 1, sizes)
             columns = np.concatenate(tables, axis=1)
-            yield from ((f"{name}({i})", column) for i, column in enumerate(columns, 1))
+            yield from ((f"{name} {i}", column) for i, column in enumerate(columns, 1))
             return
 
 
@@ -372,7 +374,7 @@ def _channel(own: str, table: Mapping[str, Any], kind: "_Channel") -> Iterator[F
         yield f"{name}{unit}", data
         return
     for column in range(data.shape[1]):
-        yield f"{name}({column + 1}){unit}", data[:, column]
+        yield f"{name} {column + 1}{unit}", data[:, column]
 
 
 def _text(value: Any) -> str:

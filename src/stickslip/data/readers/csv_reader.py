@@ -431,6 +431,56 @@ def _group(
     )
 
 
+# Traces of CODESYS and TwinCAT: for each variable a block of times and values.
+#
+# Above the blocks stand lines ``key; value``, and so do some of each variable before its rows
+# ``; time; value``. Two bits of the flags say in what the times are counted.
+
+TRACE: Final = "trace of CODESYS"
+_VARIABLE: Final = re.compile(r"^\d++\.Variable[ \t]*+;[ \t]*+([^\r\n]*+)", re.M)
+_FLAGS: Final = re.compile(r"^Flags[ \t]*+;[ \t]*+(\d{1,9})[ \t\r]*+$", re.M)
+_COUNTED_IN: Final = {16: "ms", 32: "us"}
+"""Bits of the flags by which times are counted, and in what."""
+
+
+def is_trace(text: str) -> bool:
+    r"""Whether a text is a trace of CODESYS.
+
+    Examples
+    --------
+    >>> is_trace("[key]; [value]\n0.Variable; Axis.fActPosition\n"), is_trace("t;x\n0;1\n")
+    (True, False)
+    """
+    return _VARIABLE.search(text[:LONGEST_HEAD]) is not None
+
+
+def read_trace(text: str) -> FileTable:
+    r"""Return the variables of a trace by their times, which all or only some may share.
+
+    Examples
+    --------
+    >>> text = "Flags; 16\n0.Variable; A.x\n0.Data; \n; 2; 0.5\n; 4; 0.6\n"
+    >>> read_trace(text + "1.Variable; A.F\n1.Data; \n; 2; 7\n; 4; 8\n").data.to_dict("list")
+    {'time [ms]': [2.0, 4.0], 'A.x': [0.5, 0.6], 'A.F': [7, 8]}
+    """
+    head, *blocks = _VARIABLE.split(text)
+    flags = int(said[1]) if (said := _FLAGS.search(head)) else 0
+    time = headed("time", _COUNTED_IN.get(flags & sum(_COUNTED_IN), ""))
+    parts, empty = [], []
+    for name, block in zip(numbered_twice(blocks[::2]), blocks[1::2], strict=True):
+        lines = (line.split(";") for line in block.splitlines() if line.startswith(";"))
+        rows = [";".join(map(str.strip, cells[1:3])) for cells in lines]
+        if rows:
+            part = rows_of(rows, ";", 2).set_axis([time, name], axis=1)
+            parts.append(part.assign(**{time: times_in(part[time], name)}).set_index(time))
+        else:
+            empty.append(name)
+    if not parts:
+        raise InputError(f"has no rows below the variables of a {TRACE}.")
+    lost = [f"Without rows, and not read: {joined([*map(shown, empty)], MOST_LISTED)}."]
+    return FileTable(data=merged(parts)[0], lost=(*lost[: len(empty)],))
+
+
 # What a serial monitor shows, with its time stamps: ``12:30:00.250 -> 1.5<TAB>0.8``.
 
 SERIAL: Final = "output of a serial monitor"
@@ -818,6 +868,7 @@ class Dialect:
 DIALECTS: Final = (
     Dialect(title="tracks of a video", is_text=tracks.is_blocks, read=tracks.read_blocks),
     Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
+    Dialect(title=TRACE, is_text=is_trace, read=read_trace),
     Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
     Dialect(
         title=TRIBOMETER,
@@ -989,7 +1040,8 @@ def read_as(
 ) -> tables.FileTable:
     """Return the table of a text, and the bytes of that, which holds it in a known way.
 
-    Numbers stay text that have a mark of which it is `doubted` what it parts.
+    Numbers stay text that have a mark of which it is `doubted` what it parts. Of a workbook, names
+    that come again are numbered.
     """
     lines = upper_lines(text, layout.preface)
     if len(lines) < 1 + layout.units_row:
@@ -1003,13 +1055,20 @@ def read_as(
         units = [unit_in(cell) for cell in cells_of(lines[1], layout.separator)]
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [_with_unit(path, name, unit) if unit and name else name for name, unit in pairs]
+    remarks: tuple[str, ...] = ()
+    if path.suffix.casefold() in SPREADSHEET:
+        bare = [without_unit(name) for name in names]
+        own = [name and again for name, again in zip(bare, numbered_twice(bare), strict=True)]
+        names = [name.replace(old, new, 1) for name, old, new in zip(names, bare, own, strict=True)]
+        if again := [shown(name) for name in own if name not in bare]:
+            remarks = (f"Names that stand twice are numbered: {joined(again, MOST_LISTED)}.",)
     sample = lines[1 + layout.units_row :][:FEW_SAMPLES]
     if not layout.thousands.isascii():  # of which the parser knows none
         data = text.replace(layout.thousands, "").encode(layout.encoding)
         layout = replace(layout, thousands="")
     rates = stated_rates(above, layout)
     table = _parsed(path, data, names, sample, layout, doubted=doubted)
-    return replace(table, rates=rates)
+    return replace(table, rates=rates, remarks=remarks)
 
 
 def _with_unit(path: Path, name: str, unit: str) -> str:

@@ -90,6 +90,13 @@ OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
 """Units that columns without one may have, by those of SI."""
 FAR: Final = 100.0
 """Span of positions and velocities in SI units that columns without a unit hardly have."""
+TURN: Final = 2.0 * np.pi
+"""Span of an angle [rad] beyond which one without a unit may be in degrees."""
+CURES: Final = {
+    "position": (("mm", "um"), ("deg", "rev")),
+    "velocity": (("mm/s", "rpm"), ("rpm", "deg/s")),
+}
+"""What such columns may be in, along a line and about an axis."""
 UPSIDE_DOWN: Final = (
     "The last time stands first: the rows are sorted by time. If this column counts down to 0"
     " instead, motion and time would be reversed: replace it by times that increase."
@@ -189,6 +196,11 @@ class Found:
         turns = self.unit is not None and is_of(self.unit, "rad")
         return "rad" if turns else "m"
 
+    def odd_in(self, frame: QuantityTable) -> str:
+        """Return what the header of a table has in the place of a unit, and is none."""
+        stated = frame.units.get(self.name) or ""
+        return stated if stated != "1" and not is_unit(stated) else ""
+
 
 def guess_data(
     path: str | Path,
@@ -257,7 +269,8 @@ def guess_data(
     result = assigned(frame, given, units or {}, by_current=motor_constant is not None)
     doubt = result.pop(measurement.STATED, None)
     frame = _without_rate(frame, result)
-    untimed = "time" not in result and _is_of_motor(frame, result)
+    untimed = "time" not in result and "current" in result
+    untimed = untimed and _is_steady(frame, result, np.arange(float(len(frame.data))))
     _check_enough(frame, _as_friction(result) if untimed else result)
     servo, result = _of_servo(frame, result, units or {})
     result = result if servo is not None else _by_derivative(frame, result)
@@ -302,7 +315,7 @@ def guess_data(
         q: column.unit
         for q, column in result.items()
         if column.unit and (not column.stated or is_of(column.unit, "count"))
-    }
+    } | {q: _assumed(q, turning) for q, x in result.items() if not x.unit and x.odd_in(frame)}
     gains: dict[str, float | str] = {
         q: _gain(q, turning, column.unit) for q, column in result.items() if _is_raw(column.unit)
     }
@@ -752,6 +765,8 @@ def _offers(frame: QuantityTable, name: str, quantity: str) -> Iterable[Found]:
 
 def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, str | None]:
     """Return the name of a column without its unit, and the unit as it is spelt, or None."""
+    if stated and not (stated == "1" or is_unit(stated)):
+        return name, None
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
     if unit is not None and unit.isupper() and not is_unit_of(unit, quantity):
         unit = unit.lower() if is_unit_of(unit.lower(), quantity) else unit  # MM is no molarity
@@ -789,7 +804,11 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
         return BY_UNIT, "by its name"
     by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
     inside = any(_is_input(bare, other) for other in ("transmitted", "external", "gravity"))
-    if fits and unit != "1" and not (by_name or most or inside or _is_other(bare, quantity)):
+    if (
+        fits
+        and unit not in ("1", "Hz")
+        and not (by_name or most or inside or _is_other(bare, quantity))
+    ):
         return BY_UNIT, "by its unit"
     return 0.0, ""
 
@@ -1147,11 +1166,6 @@ def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
 
 
-def _is_of_motor(frame: QuantityTable, found: Mapping[str, Found]) -> bool:
-    """Whether rows without times are steady currents of a motor, not samples of a motion."""
-    return "current" in found and _is_steady(frame, found, np.arange(float(len(frame.data))))
-
-
 def _is_steady(frame: QuantityTable, found: Mapping[str, Found], times: measurement.Array) -> bool:
     """Whether rows are steady readings of friction, whose times say when they were taken."""
     resisting = [q for q in ("friction", "force", "current") if q in found]
@@ -1194,7 +1208,8 @@ def repairs_of(
             numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
             back &= numbers[1:] == numbers[:-1]
         late = bool(back.any())
-    steps: dict[text_layout.Repair, bool] = {"gaps": gaps, "sort": late}
+    held = bool(_held(frame, found))
+    steps: dict[text_layout.Repair, bool] = {"hold": held, "gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 
 
@@ -1210,8 +1225,30 @@ def _full_rows(frame: QuantityTable, found: Mapping[str, Found]) -> NDArray[np.b
     return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
 
 
+def _held(frame: QuantityTable, found: Mapping[str, Found]) -> list[str]:
+    """Return the quantities that hold until their next value: what drives, in rows of its own.
+
+    What was measured in rows of its own is interpolated before, if some rows have it all.
+    """
+    motion = {q: x for q, x in found.items() if q.partition(".")[0] not in text_layout.DRIVES}
+    full, moves = _full_rows(frame, found), _full_rows(frame, motion)
+    drives = [
+        q for q, x in found.items() if q not in motion and not _full_rows(frame, {q: x}).all()
+    ]
+    words = {*WORDS["commands"], *WORDS["wanted"]}
+    commands = all(q.startswith("reference") or _is_named(found[q].name, words) for q in drives)
+    apart = full.mean() < HALF and moves.sum() > full.sum()
+    return drives if apart and (commands or not full.any()) else []
+
+
 def rates_doubt(frame: QuantityTable, found: Mapping[str, Found]) -> Iterator[str]:
     """Yield that most rows lack a cell, as where channels were sampled at other times."""
+    if held := _held(frame, found):
+        yield (
+            f"Rows with {joined([repr(found[q].name) for q in held])} are others than those of the"
+            " motion: each value holds until the next, as a command does."
+        )
+        return
     full = _full_rows(frame, found)
     cure = "Interpolate channels of different rates to the times of one of them first"
     if not full.any():
@@ -1258,7 +1295,11 @@ def restarts(times: measurement.Array) -> list[int]:
 
 def repair_text(repair: Sequence[text_layout.Repair]) -> str:
     """Return what is repaired, in words."""
-    why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
+    why = {
+        "hold": "commands have rows of their own",
+        "gaps": "cells are empty or not finite",
+        "sort": "times do not increase everywhere",
+    }
     return " and ".join(f"{name}: {why[name]}" for name in repair)
 
 
@@ -1280,7 +1321,7 @@ def _of_one_joint(frame: QuantityTable, given: Mapping[str, Column]) -> list[str
     inputs = inputs_in([*frame.names])
     names = [name for name in frame.names if name and (name in known or name not in inputs)]
     wanted = next((numbered(name)[1] for name in known if numbered(name)[1]), "")
-    joint = wanted or next(iter(joints_in(names)), "")
+    joint = wanted or _first_moving(frame, joints_in(names))
     if not joint:
         return names
     numbers = {numbered(name)[1] for name in names}
@@ -1294,6 +1335,23 @@ def _of_one_joint(frame: QuantityTable, given: Mapping[str, Column]) -> list[str
             numbered(name)[1] in others and (joint_in(name)[1] or numbered(name)[0] in families)
         )
     ]
+
+
+def _first_moving(frame: QuantityTable, joints: Collection[str]) -> str:
+    """Return the first joint that does not rest where another moves; empty if there are none."""
+    spreads: dict[str, dict[str, float]] = {}
+    for name in filter(None, frame.names if joints else ()):
+        stem, joint = numbered(name)
+        moves = any(_named_score(stem, quantity)[0] > 0.0 for quantity in ("position", "velocity"))
+        if joint in joints and moves and not frame.is_empty(name):
+            numbers = pd.to_numeric(frame.data[frame.names[name]], errors="coerce")
+            spreads.setdefault(stem, {})[joint] = float(numbers.std())
+    moving = (
+        joint
+        for joint in joints
+        if all(of[joint] > NEGLIGIBLE * max(of.values()) for of in spreads.values() if joint in of)
+    )
+    return next(moving, next(iter(joints), ""))
 
 
 def joint_in(name: str) -> tuple[str, str]:
@@ -1598,32 +1656,15 @@ def _doubts(
         moving = next((read.name for q, read in found.items() if q in ("position", "velocity")), "")
         own = numbered(moving)[1] or next(iter(joints))
         yield (
-            f"The file has {len(joints)} joints, and this is a rig file of joint {own} alone. For"
-            " another, name its position as --columns position=...; all of them together need the"
-            " URDF of the robot, as --urdf robot.urdf."
+            f"The file has {len(joints)} joints, and this is a rig file of joint {own}"
+            f" alone{', the first that moves' * (own != next(iter(joints)))}. For another, name its"
+            " position as --columns position=...; all of them together need the URDF of the robot,"
+            " as --urdf robot.urdf."
         )
     for quantity, item in found.items():
         if quantity != "time" and item.why == "by its unit":
             yield f"Nothing but its unit says that {item.name!r} is the {quantity}: check it."
-    for quantity, item in found.items():
-        stamps = quantity == "time" and item.unit is None and "stamp" in item.why
-        if item.unit is None and quantity not in units and not stamps:
-            kinds = meaning_of(quantity).units or ("SI",)
-            yield (
-                f"The column {item.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed"
-                f" for the {quantity}{_implausible(frame, quantity, item, turning)}."
-            )
-        elif item.unit is not None and is_of(item.unit, "V") and quantity not in units:
-            yield (
-                f"The column {item.name!r} is in {item.unit}, and"
-                f" {_gain(quantity, turning, item.unit)} is assumed: give the sensitivity of the"
-                f" sensor as its gain, as --gain {quantity}='...'."
-            )
-        elif item.unit is not None and is_of(item.unit, "count") and quantity not in units:
-            yield (
-                f"The column {item.name!r} is in {item.unit}: give the counts per unit of length or"
-                " angle as its gain."
-            )
+    yield from _unit_doubts(frame, found, turning, units)
     if "velocity" in found and set(parts_of(found["velocity"].name)) & {*WORDS["rolling"]}:
         yield (
             f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
@@ -1644,6 +1685,37 @@ def _doubts(
     yield from _driving_doubts(frame, found)
 
 
+def _unit_doubts(
+    frame: QuantityTable, found: Mapping[str, Found], turning: bool, units: Collection[str]
+) -> Iterator[str]:
+    """Yield which units and gains are assumed or missing."""
+    for quantity, item in found.items():
+        stamps = quantity == "time" and item.unit is None and "stamp" in item.why
+        if item.unit is None and quantity not in units and not stamps:
+            unit, odd = _assumed(quantity, turning), item.odd_in(frame)
+            said = f"The column {item.name!r} has no unit: {unit} is assumed"
+            if odd:
+                cure = f"--unit {quantity}={unit.replace(' ', '')}"
+                said = f"{shown(odd)} is no unit: give it, as {cure}; {unit} is assumed"
+            yield f"{said} for the {quantity}{_implausible(frame, quantity, item, turning)}."
+        elif item.unit is not None and is_of(item.unit, "V") and quantity not in units:
+            yield (
+                f"The column {item.name!r} is in {item.unit}, and"
+                f" {_gain(quantity, turning, item.unit)} is assumed: give the sensitivity of the"
+                f" sensor as its gain, as --gain {quantity}='...'."
+            )
+        elif item.unit is not None and is_of(item.unit, "count") and quantity not in units:
+            yield (
+                f"The column {item.name!r} is in {item.unit}: give the counts per unit of length or"
+                " angle as its gain."
+            )
+
+
+def _assumed(quantity: str, turning: bool) -> str:
+    """Return the unit of a quantity that has none."""
+    return (meaning_of(quantity).units or ("SI",))[:2][-1 if turning else 0]
+
+
 def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool) -> str:
     """Return what an assumed unit makes of a column, and the cure, where that is hardly true."""
     numbers = (every := _numbers(frame, one))[np.isfinite(every)]
@@ -1652,10 +1724,11 @@ def _implausible(frame: QuantityTable, quantity: str, one: Found, turning: bool)
     step, span = float(np.median(np.abs(np.diff(numbers)))), float(np.ptp(numbers))
     if quantity == "time" and step >= READING_INTERVAL:
         return f", with {number(step, 3)} s between samples: if it counts ms, give --unit time=ms"
-    cures = {"position": ("um", "deg"), "velocity": ("rpm", "rpm")}
-    if quantity in cures and span > FAR:
-        unit, cure = meaning_of(quantity).units[-1 if turning else 0], cures[quantity][turning]
-        return f", over {number(span, 4)} {unit}: if it is in {cure}, give --unit {quantity}={cure}"
+    far = TURN if turning and quantity == "position" else FAR
+    if quantity in CURES and span > far:
+        unit, cures = meaning_of(quantity).units[-1 if turning else 0], CURES[quantity][turning]
+        size = f"over {number(span, 4)} {unit}: if it is in {' or '.join(cures)}"
+        return f", {size}, give its unit, as --unit {quantity}={cures[0]}"
     return ""
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.toml import read_bytes
-from stickslip.data.tolerances import FEWEST_SAMPLES, LONGEST_LINE, NEARLY_ALL, PER_MILLE
+from stickslip.data.tolerances import FEWEST_SAMPLES, HALF, LONGEST_LINE, NEARLY_ALL, PER_MILLE
 from stickslip.data.units import read_number
 from stickslip.errors import InputError, UnknownNameError, concerning
 from stickslip.quantities import Quantity
@@ -239,12 +239,15 @@ def _unit_of_rate(unit: str, base: str) -> str:
     return f"{result[1].replace('K', 'k')}Hz" if result and unit[:1] != "m" else ""
 
 
-Repair: TypeAlias = Literal["sort", "gaps"]
-"""What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``."""
+Repair: TypeAlias = Literal["sort", "gaps", "hold"]
+"""What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``, and
+``"hold"`` what drives until its next value."""
+DRIVES: Final = ("force", "current", "voltage", "reference")
+"""Quantities that may be commands, which hold until the next."""
 
 
 def repairs(given: str | Sequence[str] | None) -> tuple[Repair, ...]:
-    """Return the repairs asked for, those of gaps first, since times must be there to be sorted.
+    """Return the repairs asked for: what is held has no gaps, and times must be there to be sorted.
 
     Examples
     --------
@@ -271,10 +274,23 @@ def repaired(
     ([0.0, 1.0, 2.0], ('sorted by time (2 samples out of order)', 'dropped 1 exact duplicate'))
     """
     result, done = dict(columns), []
+    how = {"hold": _held, "gaps": _without_gaps, "sort": _sorted}
     for step in steps:
-        result, remarks = (_without_gaps if step == "gaps" else _sorted)(result)
+        result, remarks = how[step](result)
         done += remarks
     return result, tuple(done)
+
+
+def _held(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return columns of which those that drive keep their last value where cells are empty."""
+    result, filled = dict(columns), 0
+    for name, values in columns.items():
+        if name.partition(".")[0] in DRIVES:
+            there = np.isfinite(values)
+            last = np.maximum.accumulate(np.where(there, np.arange(values.size), 0))
+            result[name] = values[last]
+            filled += int(np.count_nonzero(np.isfinite(result[name]) & ~there))
+    return result, [f"held the last value in {count(filled, 'empty cell')}"] if filled else []
 
 
 def _without_gaps(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
@@ -384,6 +400,10 @@ DOUBTED: Final = re.compile(
 )
 """A number, perhaps with its uncertainty: 3.51 ± 0.1, 3,51 +- 0,1, or 3.51(10) in last digits."""
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
+_BLANK_CELLS: Final = re.compile(
+    r"[^\W\d][^\s\[\](]*+(?:[ \t]*(?:\[[^\[\]]*+\]|\([^()]*+\)))++(?!\S)|\S++"
+)
+"""Cells between blanks: a name takes the brackets behind it, as in Torque [N m], with it."""
 _GROUPS: Final = r"[+-]?[1-9]\d{{0,2}}(?:\{}\d{{3}})+"
 """A whole number with a mark between thousands, to be put in."""
 _DECIMAL: Final = r"(?:0\{0}\d+|\d+\{0}(?:\d{{1,2}}|\d{{4,}}))"
@@ -494,8 +514,8 @@ def cells_of(line: str, separator: str) -> list[str]:
 
 def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> list[str]:
     """Return the cells of a line as they stand; one beyond what `csv` takes is cut."""
-    if separator == " ":
-        return line.lstrip("#% \t").split()  # a header may be marked as a comment
+    if separator == " ":  # a header may be marked as a comment
+        return [cell[0] for cell in _BLANK_CELLS.finditer(line.lstrip("#% \t"))]
     try:
         result = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
         return next(result, [])
@@ -612,7 +632,9 @@ def _table(
     for index, label in itertools.pairwise(heads):
         few = len(named[label]) < 2 * len(named[index])
         near = not any(map(str.strip, lines[index + 1 : label]))
-        if near and few and are_units(above[label], len(named[index])):
+        whole = len(named[index]) >= width and not are_units(above[index])
+        share = HALF if whole else 1.0
+        if near and few and are_units(above[label], len(named[index]), share):
             header, units, rank[label] = index, tuple(map(unit_in, above[label])), (False, 0, 0)
     rivals = tuple(index for index in heads if index != header and rank[index] >= rank[header])
     rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
@@ -738,19 +760,27 @@ def _names_in(cells: Sequence[str]) -> list[str]:
     ]
 
 
-def are_units(cells: Sequence[str], names: int = 1) -> bool:
+def are_units(cells: Sequence[str], names: int = 1, share: float = 1.0) -> bool:
     """Whether cells hold units and nothing else: several, or for most of some names.
+
+    With a `share` below 1, more than it are units, not all of one letter, which may be names.
 
     Examples
     --------
     >>> are_units(["s", "[mm]", ""], 3), are_units(["A", "", ""], 3), are_units(["t", "x"])
     (True, False, False)
+    >>> are_units(["s", "rad", "rad.s"], 3, 0.5), are_units(["t", "F", "x"], 3, 0.5)
+    (True, False)
     """
     named = [cell for cell in cells if cell]
-    return (len(named) > 1 or 2 * len(named) > names) and all(
-        cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
+    units = [
+        cell
         for cell in named
-    )
+        if cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
+    ]
+    enough = len(named) > 1 or 2 * len(named) > names
+    odd = len(units) > share * len(named) and max(map(len, units)) > 1
+    return enough and (len(units) == len(named) or odd)
 
 
 def unit_in(cell: str) -> str:

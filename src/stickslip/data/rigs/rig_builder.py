@@ -35,7 +35,7 @@ from stickslip.data.estimates import LOAD, LawEstimates
 from stickslip.data.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.data.readers import toml
 from stickslip.data.readers.columns import MOTORS, Reading, column_of, motor_constants
-from stickslip.data.readers.layout import Decimal, Layout, Separator
+from stickslip.data.readers.layout import Decimal, Layout, Repair, Separator
 from stickslip.data.records import read_data
 from stickslip.data.rig import KnownLaws
 from stickslip.data.rigs import rig_models
@@ -216,7 +216,7 @@ def friction_table(
         }
         return _by_contact(friction_table(kinds, (shared,)), alone)
     fields: dict[str, Any] = {}
-    misplaced = {}
+    misplaced = {"type": "a law is named by its table: give its values under [friction.{}]"}
     for name, owners in _owners(kinds).items():
         if not _means_one_thing(name, owners):
             where = " or ".join(f"[friction.{law.name}]" for law in owners)
@@ -621,8 +621,10 @@ class ReadTable(rig_models.TomlTable):
         " right kind; otherwise it converts the column to SI, and may have a unit such as N m/A",
     )
     offset: ByJoint[Any] = Field(default={}, description="quantity: zero offset of its sensor")
-    repair: list[Literal["sort", "gaps"]] = Field(
-        default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
+    repair: list[Repair] = Field(
+        default=[],
+        min_length=1,
+        description="`sort` the rows by time, drop rows with `gaps`, `hold` commands to the next",
     )
     motor_constant: MotorConstant = Field(
         default=None,

@@ -264,7 +264,7 @@ class TomlTable(BaseModel):
     moved: ClassVar[str] = ""
     """Unit of the coordinate that a recorded motion moves; empty if both will do."""
     misplaced: ClassVar[Mapping[str, str]] = {}
-    """Keys one might expect here, and what to do instead."""
+    """Keys one might expect here, and what to do instead, with a place for their value."""
 
     @model_validator(mode="before")
     @classmethod
@@ -275,7 +275,8 @@ class TomlTable(BaseModel):
         known = {field.alias or name: field for name, field in cls.model_fields.items()}
         for key in data:
             if key in cls.misplaced:
-                raise PydanticCustomError("misplaced", "", {"key": key, "cure": cls.misplaced[key]})
+                cure = cls.misplaced[key].format(data[key])
+                raise PydanticCustomError("misplaced", "", {"key": key, "cure": cure})
             if key not in known:
                 context = {"key": key, "known": list(known), "value": data[key]}
                 raise PydanticCustomError("unknown_key", "", context)

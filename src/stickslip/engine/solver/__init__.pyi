@@ -86,6 +86,7 @@ __all__ = [
     "EventTimes",
     "Final",
     "FixedStep",
+    "IncrementalEnsemble",
     "Max",
     "Mean",
     "Method",

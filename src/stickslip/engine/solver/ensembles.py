@@ -193,6 +193,19 @@ class IncrementalEnsemble:
 
     Mode, step lengths and sizes go on from stretch to stretch, as in `IncrementalRun`; what the
     runs did before is not recorded. Each run may begin anew at any time.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves; its drives say nothing but their number.
+    law : FrictionLaw or Laws
+        Friction of its contact.
+    count : int
+        Number of runs.
+    solver : EventDriven
+        Tolerance, and most steps of a stretch.
+    threads : int, optional
+        Most threads; as many as there are processors if not given.
     """
 
     def __init__(
@@ -287,7 +300,24 @@ class IncrementalEnsemble:
         mechanism: Mechanism | None = None,
         law: FrictionLaw | Laws | None = None,
     ) -> None:
-        """Let some runs begin anew at time 0, with other parameters if these are given."""
+        """Let some runs begin anew at time 0, with other parameters if these are given.
+
+        Parameters
+        ----------
+        rows : sequence of int
+            Which runs.
+        states : array (rows, n)
+            Where they begin [SI].
+        mechanism : Mechanism, optional
+            The same with other values.
+        law : FrictionLaw or Laws, optional
+            One with the same equations and other values.
+
+        Raises
+        ------
+        InputError
+            If a state is not finite.
+        """
         if not np.isfinite(states).all():
             raise InputError(f"states must be finite, got {states!r}.")
         mechanism = mechanism or self.mechanism
@@ -305,7 +335,20 @@ class IncrementalEnsemble:
         self._int_vectors[rows, layout.STATUS] = layout.STEP_TOO_SMALL
 
     def advance(self, untils: Array, values: Array) -> None:
-        """Go on with all runs that have not ended, the drives having constant values."""
+        """Go on with all runs that have not ended, the drives having constant values.
+
+        Parameters
+        ----------
+        untils : array (count,)
+            Times at which the stretch ends [s].
+        values : array (count, drives)
+            Values of the drives in it [SI].
+
+        Raises
+        ------
+        InputError
+            If there is not a value for each run and drive.
+        """
         shapes = {"untils": (self.count,), "values": (self.count, len(self.model.drives))}
         for (name, shape), given in zip(shapes.items(), (untils, values), strict=True):
             if given.size != math.prod(shape):

@@ -34,6 +34,7 @@ from stickslip.identify.fits.parameters import MOVED as MOVED
 from stickslip.identify.fits.parameters import OFFSET as OFFSET
 from stickslip.identify.fits.parameters import Range as Range
 from stickslip.identify.fits.parameters import WIDE as WIDE
+from stickslip.identify.fits.parameters import as_level as as_level
 from stickslip.identify.fits.parameters import refuse_open as refuse_open
 from stickslip.identify.fits.parameters import required_of as required_of
 from stickslip.identify.fits.parameters import starting_law as starting_law
@@ -49,6 +50,7 @@ from stickslip.identify.fits.record_forces import known_forces as known_forces
 from stickslip.identify.fits.record_forces import positions_of as positions_of
 from stickslip.identify.fits.results import AnyLaw_co as AnyLaw_co
 from stickslip.identify.fits.results import Estimate as Estimate
+from stickslip.identify.fits.results import FORCES as FORCES
 from stickslip.identify.fits.results import Fit as Fit
 from stickslip.identify.fits.results import READINGS as READINGS
 from stickslip.identify.fits.results import estimates_for as estimates_for

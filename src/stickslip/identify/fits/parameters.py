@@ -315,6 +315,23 @@ def unit_of(path: str, quantity: Quantity, *, per_load: bool, turning: bool) -> 
     return turned(quantity.unit, turning)
 
 
+def as_level(quantity: Quantity) -> Quantity:
+    """Return a quantity with the symbol of a force or torque, if it is one and no coefficient.
+
+    Examples
+    --------
+    >>> as_level(Quantity("mu_k", "N")).symbol, as_level(Quantity("mu_s", "N m")).symbol
+    ('F_c', 'T_s')
+    >>> as_level(Quantity("mu_k")).symbol
+    'mu_k'
+    """
+    letter = {"N": "F", "N m": "T"}.get(quantity.unit)
+    if letter is None:
+        return quantity
+    symbol = quantity.symbol.replace("mu_k", f"{letter}_c").replace("mu_", f"{letter}_")
+    return replace(quantity, symbol=symbol)
+
+
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:
     """Return a law with arrays (copies,) for some of its parameters, by path.
 

@@ -49,6 +49,8 @@ AnyLaw_co = TypeVar(
 READINGS = "readings"
 """What the readings themselves are called among the sources of an estimate's uncertainty."""
 FRICTION = "friction."
+FORCES = ("N", "N m")
+"""Units of levels where no normal force is known."""
 DRY = 2.0
 """Coefficient of friction above which hardly any dry contact lies."""
 
@@ -74,6 +76,17 @@ class Estimate(metaclass=Described):
     sources: Mapping[str, float] = field(default_factory=dict)
     """Standard errors by where they come from: ``"readings"``, and parameters of the mechanism by
     path; empty where no uncertainty of the mechanism was stated."""
+
+    @property
+    def words(self) -> str:
+        """The name in words: a level is a coefficient only over a normal force."""
+        words = parameter_words(self.path)
+        if self.quantity.unit not in FORCES:
+            return words
+        friction = "friction" if self.quantity.unit == "N" else "friction torque"
+        return words.replace("kinetic coefficient", f"Coulomb {friction}").replace(
+            "coefficient", friction
+        )
 
     @property
     def bounded(self) -> bool:
@@ -256,7 +269,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         """Return the law with its estimates, and what the data cannot tell."""
         rows = [
             (
-                parameter_words(e.path),
+                e.words,
                 e.quantity.symbol,
                 within(e.value, e.low, e.high),
                 "" if e.quantity.unit == "1" else e.quantity.unit,

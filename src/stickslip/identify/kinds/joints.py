@@ -67,7 +67,7 @@ class JointKind(Kind[JointLawFit, JointVerdict]):
         ]
         fit = verdict.closest.fit
         return Comparison(
-            heads=["joint", "law", "parameters", "stays within", "leaves", "probability", ""],
+            heads=["joint", "law", "parameters", "differs by", "scatter", "probability", ""],
             rows=rows,
             checks=verdict.checks,
             fitted=None if fit is None else (verdict.closest.title, fit.shown),

@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,18 +13,16 @@ from stickslip.data import Layout, Measurement, Reading, gain_factor
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import BandVerdict, Verdict
-from stickslip.identify.bands import Array
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.travels import unit_of, words_of
 from stickslip.identify.ladder import readings_sentence
 from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.selection import (
-    foreseen_widths,
     further_readings,
     settings_of,
     with_readings,
 )
-from stickslip.identify.wording import NO_READINGS
+from stickslip.identify.wording import nothing_further
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters
 from stickslip.show.described import Described
@@ -423,23 +421,12 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
             )
         return FurtherPlan(verdict=verdict, lines=tuple(verdict.words.measure_next))
     many = None if readings is None else int(NUMBER.check("plan", "readings", readings))
-    proposal, rows = further_readings(verdict.judgement, many)
+    proposal, rows, widths, alone = further_readings(verdict.judgement, many)
     if not proposal.places:
-        return FurtherPlan(verdict=verdict, lines=(NO_READINGS,))
-    rows = rows.where(np.random.default_rng(0).permutation(len(rows.velocity)))
-    known = problem.table.rows
-    inputs = {name: _settable(x, known.inputs[name]) for name, x in rows.inputs.items()}
-    rows = replace(rows, velocity=_settable(rows.velocity, known.velocity),
-                   load=_settable(rows.load, known.load), inputs=inputs)  # fmt: skip
-    widths, alone = foreseen_widths(verdict.judgement, rows)
+        return FurtherPlan(verdict=verdict, lines=(nothing_further(proposal),))
     low, middle, high = np.quantile(widths, (0.1, 0.5, 0.9)).tolist()
-    # what halves the band is not said of readings that are expected to do so
-    halves = len(proposal.places) if middle <= 0.5 else proposal.halves
     given = settings_of(problem, rows)
-    said = readings_sentence(
-        replace(proposal, shrinks=middle, halves=halves), **given, measurement=verdict.measurement,
-        listed=True,
-    )  # fmt: skip
+    said = readings_sentence(proposal, **given, measurement=verdict.measurement, listed=True)
     chance = float(np.mean((2.0 * widths <= 1.0) | alone))
     likely = (
         f"With a probability of 80 % its width is {percent(low)} to {percent(high)} of today's; the"
@@ -452,16 +439,6 @@ def further_plan(verdict: Verdict, readings: int | None = None) -> FurtherPlan:
         readings={"velocity": given["places"], **given["conditions"]},
         sheet=with_readings(verdict.measurement, rows),
     )  # fmt: skip
-
-
-def _settable(values: Array, known: Array) -> Array:
-    """Return values (n,) with three digits, or more if what is known (m,) spans less than them."""
-    span = float(np.ptp(known))
-    if not span:
-        return np.full(len(values), known[0])
-    sizes = np.minimum(np.where(values, np.abs(values), span), span)
-    places = (2 - np.floor(np.log10(sizes))).astype(int).tolist()
-    return np.array([round(x, n) for x, n in zip(values.tolist(), places, strict=True)])
 
 
 def plan_sections(plan: Plan) -> tuple[Section, ...]:

@@ -73,13 +73,13 @@ class BandKind(Kind[LawFit, BandVerdict]):
     def comparison(self, verdict: BandVerdict) -> Comparison:
         closest = verdict.closest
         assert closest.fit is not None
-        values = sorted(closest.fit.estimates, key=importance)
+        values = sorted(verdict.intervals, key=importance)
         heads, rows = ladder_rows(verdict)
         return Comparison(
             heads=heads,
             rows=rows,
             checks=verdict.checks,
-            fitted=(f"{closest.title}, if it holds", values) if values else None,
+            fitted=(f"Parameters of {closest.title}, over all laws", values) if values else None,
         )
 
     def summary(self, fit: LawFit, validate: Measurement | None = None) -> FitSummary:

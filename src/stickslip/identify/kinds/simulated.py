@@ -29,7 +29,7 @@ from stickslip.identify import (
 from stickslip.identify.bands import ENDS, Array, PredictionBand, correlation_of
 from stickslip.identify.candidates import (
     MOST,
-    NOT_DISTINGUISHED,
+    NOT_RULED_OUT,
     ONE_LAW,
     TOO_SHORT,
     UNMEASURED,
@@ -37,9 +37,9 @@ from stickslip.identify.candidates import (
     JudgedFit,
     Verdict,
     Wording,
+    cannot_rule_out,
     corrections,
     longer,
-    not_distinguished,
     plain,
     score_text,
 )
@@ -579,7 +579,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             if one.fit is None:
                 return f"not fitted: {one.dropped}"
             if one in near:
-                return NOT_DISTINGUISHED if one in rivals else "contains the named law"
+                return NOT_RULED_OUT if one in rivals else "contains the named law"
             return f"{probability_text(one.probability)} probable"
 
         told = [replace(item, outcome=outcome(item)) for item in ordered]
@@ -619,7 +619,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         else:
             verdict = f"{capital(phrase)} is closest, but {doubt}" if doubt else f"Use {phrase}"
             names = [self.called(item) for item in alike[1:]]
-            verdict += f"; {not_distinguished(names, self.these)}." if names else "."
+            verdict += f"; {cannot_rule_out(names, self.these)}." if names else "."
         fits = [fit, *(item.fit for item in near if item.fit)]
         pairs = [*zip(fit.estimates, intervals, strict=True)]
         pairs += [(item, self.over_all(fits, item)) for item in fit.derived]
@@ -662,13 +662,13 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     def comparison(self, verdict: SimulatedVerdict) -> Comparison:
         heads, rows = terminal_table(self.all_columns, verdict.candidates)
         closest = verdict.candidates[0]
-        values = [own for own, _ in verdict.stated]
+        values = [every for _, every in verdict.stated]
         return Comparison(
             heads=heads,
             rows=rows,
             notes=[f"{candidate.title}: {candidate.outcome}" for candidate in verdict.candidates],
             checks=verdict.checks,
-            fitted=(f"{closest.title}, if it holds", values) if values else None,
+            fitted=(f"Parameters of {closest.title}, over all laws", values) if values else None,
         )
 
     def summary(self, fit: AnyFit, validate: Measurement | None = None) -> FitSummary:
@@ -721,13 +721,13 @@ def laws_section(verdict: SimulatedVerdict) -> Section:
         verdict.kind.all_columns,
         verdict.candidates,
         chosen=verdict.best,
-        caption="Families that can fit many shapes are penalised: their likelihood is averaged over"
-        " all values of their parameters, of what is not known of the mechanism, and of what no law"
-        " has. Leaves: root mean square of the residuals. Draws of the closest law, weighed by"
-        f" their own runs, count as {significant(verdict.fits[0].family.effective, 2)} independent"
-        " ones.",
+        caption="Probability: the likelihood of a law, averaged over its parameters, the uncertain"
+        " values of the mechanism and a small discrepancy that no law describes, so that laws of"
+        " many parameters gain nothing by them. A law is ruled out at odds of 100 to 1 against it."
+        " Leaves: root mean square of the residuals. The effective sample size of the draws of the"
+        f" closest law is {significant(verdict.fits[0].family.effective, 2)}.",
     )
     heading = f"{count(len(verdict.candidates), 'law')} by probability"
     if verdict.rivals:
-        heading = f"{len(verdict.near)} laws cannot be distinguished by {verdict.kind.these}"
+        heading = f"{len(verdict.near)} laws are not ruled out by {verdict.kind.these}"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))

@@ -177,7 +177,7 @@ class TrialComparison(InPanels, Tabular):
         ...     for name, level, temperature in (("cold", 2.0, 20), ("warm", 2.5, 60))
         ... )
         >>> found = compare_trials(Axis(inertia=1.0), Coulomb, Measurement(trials=(cold, warm)))
-        >>> found.to_dataframe()[["trial", "temperature [degC]", "mu_k"]].round(2).values.tolist()
+        >>> found.to_dataframe()[["trial", "temperature [degC]", "F_c"]].round(2).values.tolist()
         [['cold', 20.0, 2.0], ['warm', 60.0, 2.5]]
         """
         import pandas as pd
@@ -328,7 +328,7 @@ def _alone(
     )
     lost = [item.path for item in own if item.path not in drawn or item.path not in known]
     if lost:
-        raise InputError(f"it does not tell {lost[0].rpartition('.')[2]}.")
+        raise InputError(f"it does not determine {lost[0].rpartition('.')[2]}.")
     values = np.array([drawn[item.path] for item in own])
     return TrialEstimates(
         name=name, number=index, conditions=record.conditions, law=alone.law,
@@ -502,7 +502,7 @@ def _width(line: ConditionLine) -> float:
 
 
 def _change(line: ConditionLine) -> str:
-    """Return how a parameter changes with a condition: "mu_k rises from 2 N at 20 °C to ..."."""
+    """Return how a parameter changes with a condition: "F_c rises from 2 N at 20 °C to ..."."""
     verb = "rises" if line.slope > 0.0 else "falls"
     first, last = (with_unit(significant(value), line.quantity.unit) for value in line.values)
     at, to = (_at(line.condition, value) for value in line.ends)

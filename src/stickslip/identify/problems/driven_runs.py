@@ -36,6 +36,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag, cho_factor, cho_solve
 from scipy.optimize import least_squares
 
 from stickslip.data import Measurement, interval_of
@@ -152,6 +153,9 @@ FOLLOWING = 5
 LEVELS = tuple(np.geomspace(0.01, 2.0, 108).tolist())
 """Levels over the load that are tried of what drives itself: a twentieth more each, from rolling to
 rubber."""
+LOWER = (1.0, 0.7, 0.5, 0.35, 0.25)
+"""Shares of the level of a balance that are tried under a voltage: a fifth more of the resistance
+takes half the torque that is left of a stalled motor."""
 SHARES = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of the records that are taken in one after the other, by runs of what drives itself."""
 OTHER = 4.0
@@ -168,8 +172,8 @@ USUAL_AT_REST = 0.05
 OFFSET = "mechanism.offset"
 """Path of a constant force: a balance has it as a term, and takes it off."""
 UNSEEN = (
-    "Runs do not tell whether friction changes with the direction, an input, the place, in time or"
-    " between records, nor{} presliding: the intervals hold for friction as it was on average."
+    "These runs cannot show whether friction depends on direction, an input, position or time, or"
+    " differs between records, nor{} presliding: the intervals hold for friction on average."
 )
 """What is not looked for."""
 
@@ -424,11 +428,7 @@ class DrivenRuns:
         is taken in.
         """
         runs, start = self.runs, self.runs.free_parameters.start
-        assert self.items[0].path == "friction.kinetic_coefficient"
-        part = runs.shortened(SHARES[0])
-        tried = [np.array([level, *start[1:]]) for level in LEVELS]
-        tried.append(start)
-        least = min((part.linearise(values) for values in tried), key=lambda seen: seen.cost)
+        least = _least_of(runs.shortened(SHARES[0]), (*LEVELS, float(start[0])))
         for share in SHARES:
             part = runs.shortened(share)
             least = part.linearise(least.values, least)
@@ -442,6 +442,17 @@ class DrivenRuns:
             runs = runs.starting_from(least)
         runs = runs.with_free_parameters(runs.free_parameters.starting_at(least.values))
         return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
+    def moving(self) -> "DrivenRuns":
+        """Return runs of a voltage that start at the share of the level which leaves least.
+
+        A constant of a motor that is given too high or too low has a balance tell too high a level,
+        at which the body hardly moves: what is left is flat there.
+        """
+        level = float(self.runs.free_parameters.start[0])
+        least = _least_of(self.runs, [share * level for share in LOWER])
+        runs = self.runs.with_free_parameters(self.runs.free_parameters.starting_at(least.values))
+        return replace(self, runs=runs, seen=least)
 
     def settled(self, rows: Array | None = None, rounds: int = 1) -> "DrivenRuns":
         """Return the runs where they follow the readings best, with a prior of unknowns about 0."""
@@ -627,6 +638,14 @@ class DrivenRuns:
         return result
 
 
+def _least_of(runs: Shooting, levels: Sequence[float]) -> ResidualJacobian:
+    """Return runs at the level that leaves least."""
+    others = runs.free_parameters.start[1:]
+    assert runs.free_parameters.items[0].path == "friction.kinetic_coefficient"
+    tried = (runs.linearise(np.array([level, *others])) for level in levels)
+    return min(tried, key=lambda seen: seen.cost)
+
+
 def followed(
     mechanism: Mechanism,
     measurement: Measurement,
@@ -676,7 +695,7 @@ def followed(
         constants=constants,
         late=late,
     )
-    first = (first.begun() if own else first).settled()
+    first = (first.begun() if own else first.moving()).settled()
     if not first.seen.finite or not first.share:
         return None
     rig = first.on(mechanism)
@@ -840,11 +859,7 @@ class DrivenModel(Model):
         """... and their slopes there (n, m)."""
         table = np.column_stack([slopes, seen.residual + slopes @ self.x])
         self.gram = runs.share / runs.error**2 * table.T @ table
-        least = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[len(knots) : -1], 1e-300))
-        wide = OPEN * np.sqrt(np.diag(np.linalg.pinv(self.gram[:-1, :-1])))[len(knots) :]
-        self._rig_deviations: Array = np.where(
-            self.logs, runs.sizes[:count], np.maximum(wide, least)
-        )
+        self._rig_deviations: Array = np.where(self.logs, runs.sizes[:count], self._open(runs))
         wrong = OTHERWISE / max(len(runs.constants), 1)
         prior = (1.0 - wrong, 0.5 * wrong, 0.5 * wrong)
         self.scales = (
@@ -852,6 +867,22 @@ class DrivenModel(Model):
             *(Scale(name=path, values=WRONG, prior=prior) for path in runs.constants),
             *[Scale(name=DELAY, values=runs.late, prior=SCALES[DELAY][1])] * bool(runs.late),
         )
+
+    def _open(self, runs: DrivenRuns) -> Array:
+        """Return deviations (p,) of what may be 0, before the runs: `OPEN` times those after them.
+
+        That is with friction of the largest size, and with what the runs alone tell of it, all
+        else known, times `OPEN` cubed: the covariance exists whatever the runs do not tell.
+        """
+        k, count = len(self.beside.root), len(self.paths)
+        alone = 1.0 / np.sqrt(np.maximum(np.diag(self.gram)[k:-1], 1e-300))
+        before = np.where(self.logs, runs.sizes[:count], OPEN**3 * alone)
+        turn = np.eye(k + count)
+        turn[:k, :k] = SIZES[-1] * self.beside.root
+        turn[k:, k:] *= before
+        precision = turn.T @ self.gram[:-1, :-1] @ turn + np.eye(k + count)
+        variances = np.diag(cho_solve(cho_factor(precision), np.eye(k + count)))[k:]
+        return np.asarray(OPEN * before * np.sqrt(variances))
 
     def _deviations(self, node: Node) -> Array:
         """Return deviations of what is unknown of the rig before the runs (p,)."""
@@ -874,23 +905,26 @@ class DrivenModel(Model):
         law = next(name.own for name, _ in structure if is_slope(name))
         if not law.varied:
             return structure
-        count = len(self.beside.root)
-        before = np.concatenate([np.zeros(count), self._deviations(node) ** -2.0])
-        covariance = np.linalg.pinv(self.gram[:-1, :-1] + np.diag(before), hermitian=True)
-        middle = (covariance @ self.gram[:-1, -1])[:count]
-        root = SIZES[node[0]] * self.beside.root
-        values, vectors = np.linalg.eigh(covariance[:count, :count] + root @ root.T)
-        weights = (vectors / np.sqrt(np.maximum(values, ROUNDED * values[-1]))).T
+        # what runs tell of a curve, without what no law says of it and the rig: both have priors
+        k, deviations = len(self.beside.root), self._deviations(node)
+        others = block_diag(self.root(node), np.diag(deviations))
+        across = others.T @ self.gram[:-1]
+        known = cho_factor(across[:, :-1] @ others + np.eye(len(others)))
+        curve = self.gram[:k] - across[:, :k].T @ cho_solve(known, across)
+        values, vectors = np.linalg.eigh(curve[:, :k])
+        told = values > ROUNDED * values[-1]
+        weights = (vectors[:, told] * np.sqrt(values[told])).T
+        middle = vectors[:, told].T @ curve[:, -1] / np.sqrt(values[told])
 
         def left(x: Array) -> Array:
-            return np.asarray(weights @ (self.beside.values(partial(friction, x)) - middle))
+            return np.asarray(weights @ self.beside.values(partial(friction, x)) - middle)
 
         def friction(x: Array, speed: Array, transmitted: float) -> Array:
             return law.friction(x.tolist(), self.plain.slips(self._rows(speed, transmitted)))
 
         low, high = np.array([(max(q.low, q.above or q.low), q.high) for q in law.quantities]).T
-        known = zip(law.varied, law.values, strict=True)
-        scale = np.array([law.sizes.get(name, abs(x)) for name, x in known])
+        varied = zip(law.varied, law.values, strict=True)
+        scale = np.array([law.sizes.get(name, abs(x)) for name, x in varied])
         start = np.clip(law.values, low + 1e-9 * scale, np.maximum(high - 1e-9 * scale, low))
         end = least_squares(left, start, bounds=(low, high), x_scale=np.maximum(scale, 1e-12))
         return law.structure(end.x.tolist())

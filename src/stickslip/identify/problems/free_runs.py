@@ -195,7 +195,7 @@ class RunLaw(SetValuedLaw):
     """A law and what no law says, as a run takes it: friction as a force, whatever the load."""
 
     name: ClassVar[str] = "refined"
-    title: ClassVar[str] = "Law with what no law says"
+    title: ClassVar[str] = "Law with a discrepancy"
     formula: ClassVar[str] = r"F = \tau(|v|)"
     sources: ClassVar[tuple[str, ...]] = ()
 

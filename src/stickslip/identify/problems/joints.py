@@ -92,7 +92,7 @@ SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters cannot be distinguished."""
 
 
-NONE_MOVES = "no joint moves in these records: nothing tells friction."
+NONE_MOVES = "no joint moves in these records: friction cannot be determined."
 """What is to be said where there are no records."""
 
 

@@ -119,7 +119,7 @@ def _refuse_alike(names: Sequence[str]) -> None:
     if len(names) == 1:
         raise InputError(f"the forces of this motion do not depend on {names[0]}: fix it.")
     raise InputError(
-        f"the motion does not tell {joined(list(names))} apart: fix one of them, such as"
+        f"the motion cannot distinguish {joined(list(names))}: fix one of them, such as"
         f" {names[-1]}."
     )
 

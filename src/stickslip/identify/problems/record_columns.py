@@ -14,11 +14,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.signal import bilinear, lfilter
 
 from stickslip.errors import InputError
 from stickslip.identify.forces import TRANSMITTED
@@ -37,11 +35,9 @@ from stickslip.identify.problems.record_rows import (
     pieces_of,
 )
 from stickslip.identify.problems.record_signals import Record, bristle
-from stickslip.identify.vocabulary import DRY, PARTS
+from stickslip.identify.vocabulary import DRY, GEAR, PARTS
 from stickslip.maths import Scalar
 
-GEAR = "gear"
-"""Term of a level that grows with what the gear transmits, whatever the load is."""
 LEVELS = DRY | {GEAR}
 """Terms that lag with the bristle."""
 FORCE = "force"
@@ -49,8 +45,7 @@ FORCE = "force"
 WIDER = 2.0
 """Band of what a gear transmits, over that of the rows."""
 VARIES = 0.05
-"""Standard deviation over the mean: of what a gear transmits, from which friction may show it, and
-of the size of a force, from which a dead zone is more than a gain."""
+"""Standard deviation over the mean of what a gear transmits, from which friction may show it."""
 OTHERS = (0.16, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3)
 """Lengths of further bristles, over that of the law: so near that their sums follow how a surface
 of any kind yields."""
@@ -61,18 +56,6 @@ COSINES, CURVED = 12, 4.0
 """Cosines over the place, and the number from which on they are smaller."""
 COURSE = 5
 """Columns of a drift: a line and cosines."""
-RELAXING = (0.7, 1.0, 1.4)
-"""Time constants of what relaxes, over the likeliest ..."""
-CONSTANTS = np.geomspace(0.01, 0.4, 41)
-"""... of these, over the duration of the records; the middle one where an end is likeliest."""
-BESIDE_MODE = 0.1 * np.diag([0.2, 0.5])
-"""A tenth of the standard deviations of the logarithms of frequency and damping ratio of a mass on
-a spring, as steps by which is seen what they change."""
-SMOOTH = 5.0
-"""Frequencies of the position that such a mass feels, up to this over its own: above it, it rests,
-and would take nothing but the noise of accelerations from the balance."""
-SWINGS = 10
-"""Pieces of records that may begin with a swing of that mass, at most."""
 TURNS = 60
 """Turns that have a pulse, at most: those with the largest accelerations."""
 PULSE = 6.0
@@ -94,16 +77,6 @@ SAME_SPAN = 0.01
 TINY = 1e-300
 LUGRE = -1.0
 """Exponent that stands for a length that follows the level."""
-
-
-class Mode(NamedTuple):
-    """A mass on a spring, as it was looked for."""
-
-    frequency: float
-    """Its frequency where the other end of the spring rests [Hz]."""
-    damping_ratio: float
-    inertia: float
-    """All inertia [kg], of which it is a share."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,7 +180,8 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     resolved = rows.far > RESOLVED
     seen = speed[resolved] if np.mean(resolved) > 0.3 else speed
     top = float(np.quantile(seen, 0.995))
-    low = max(top / DECADES, float(np.quantile(seen, 0.01)))
+    resolution = max(piece.resolution for piece in pieces)
+    low = max(top / DECADES, float(np.quantile(seen, 0.01)), resolution)
     low = min(low, 0.5 * top)
     passed = PASSED * max(piece.passed for piece in pieces)
     count = max(6, math.ceil(KNOTS * math.log(top / low)))
@@ -351,8 +325,6 @@ class Balance:
             self.pieces = [replace(piece, wider=min(wider, piece.widest)) for piece in self.pieces]
         self.acting: Acting = like.acting if like else AS_RECORDED
         """How forces are taken to act."""
-        self.limit: float = like.limit if like else math.inf
-        """Limit of the force, whose error has a column [N]."""
         self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([piece.record.time[k] for piece in self.pieces]) for k in (0, -1))
@@ -366,10 +338,6 @@ class Balance:
         self.frame: RecordFrame = like.frame if like else frame_of(self.pieces, self.rows(1))
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
-        self.relaxation: float = like.relaxation if like else float(CONSTANTS[20])
-        """Likeliest time constant of what relaxes, over the duration of the records."""
-        self.mode: Mode | None = like.mode if like else None
-        """That of a mass on a spring, where one is likely."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}
         self._seen: dict[tuple[int, int], tuple[Memory, dict[str, Array], dict[Column, Array]]] = {}
         if like and any(np.any(piece.hidden) for piece in like.pieces):
@@ -591,17 +559,9 @@ class Balance:
                     :, None
                 ]
         result["slope"] = self.slope(which)[:, None]
-        result["force"] = rows.seen([self.forces(p.record.position) for p in pieces])
+        places = [self.forces(p.record.position) for p in pieces]
+        result["force"] = rows.seen(places)
         result["zero"] = rows.seen([frame.course(p.record.time) for p in pieces])
-        if not self.measured:
-            shares = self.relaxation * np.array(RELAXING)
-            result["relaxing"] = rows.seen([self.relaxing(p, shares) for p in pieces])
-        if self.mode:
-            result["flexible"] = self._on_spring(which)
-        if self.opposed:
-            result["zone"] = rows.seen([np.sign(x)[:, None] for x in self.needed(RIGID)])
-        if math.isfinite(self.limit):  # what an error of the limit changes
-            result["limit"] = self.above(which, self.limit)[:, None]
         if self.given:
             taken = self._taken(which)
             result["given"] = np.column_stack([taken[name] for name in self.given])
@@ -616,72 +576,36 @@ class Balance:
         """Whether a force was recorded that a drive gives."""
         return not self.measured and all(np.any(piece.record.force) for piece in self.pieces)
 
-    @cached_property
-    def opposed(self) -> bool:
-        """Whether a drive pushes against the motion, too: else a dead zone is a level.
+    @property
+    def is_no_line(self) -> bool:
+        """Whether a drive gives forces that are no line over the position, as a controller's are.
 
-        It would explain all of a force that changes nothing but its sign.
+        Only beside a line is a delay looked for: of one frequency both are one thing.
         """
-        if self._from is not self:
-            return self._from.opposed
-        size = np.abs(np.concatenate([piece.record.force for piece in self.pieces]))
-        if not self.driven or np.std(size) < VARIES * np.mean(size):
-            return False
-        seen = self.rows(MIDDLE).seen
-        level = seen([np.asarray(piece.direction, dtype=float) for piece in self.pieces])
-        zone = seen([np.sign(force) for force in self.needed(RIGID)])
-        # a force that always pushes against the motion is no level either, which brakes
-        return bool(level @ zone < 0.0) or is_told(zone, [level, np.ones_like(level)])
-
-    @cached_property
-    def pulled(self) -> bool:
-        """Whether a spring may act that is not given: nothing that is looked for pulls like it."""
-        if self._from is not self:
-            return self._from.pulled
         if not self.driven or self.pieces[0].record.joint:
             return False
-        spring = self.rows(MIDDLE).seen([self.spring(p.record.position) for p in self.pieces])
-        return is_told(spring, [self.rows(MIDDLE).unknown(path) for path in self._looked_for])
-
-    @cached_property
-    def controlled(self) -> bool:
-        """Whether the force is a line that falls with the position, which a controller makes.
-
-        It would be all of a spring that pushes away, and of no friction.
-        """
-        if self._from is not self:
-            return self._from.controlled
         rows = self.rows(MIDDLE)
-        spring = rows.seen([self.spring(p.record.position) for p in self.pieces])
-        spring = spring - np.mean(spring)
-        force = rows.force - np.mean(rows.force)
-        slope = float(spring @ force) / (float(spring @ spring) + TINY)
-        left = float(np.std(force - slope * spring))
-        return slope < 0.0 and left < SAME_SPAN * float(np.std(force))
+        place, force = (x - np.mean(x) for x in (rows.position, rows.force))
+        slope = float(place @ force) / (float(place @ place) + TINY)
+        left = float(np.std(force - slope * place))
+        return slope > 0.0 or left > SAME_SPAN * float(np.std(force))
 
     def _plainly(self, memory: Memory) -> Array:
         """Return what a plain balance with a bristle leaves least with.
 
-        They are inertia, viscous friction, level, a constant, a spring that is not given and is no
-        controller, and what is looked for.
+        They are inertia, viscous friction, level, a constant, and what is looked for.
         """
         rows = self.rows(MIDDLE)
         states = zip(self.states(memory), self.pieces, strict=True)
         level = rows.seen([state * self.load(p) for state, p in states])
-        spring = rows.seen([self.spring(p.record.position) for p in self.pieces])
         x = np.column_stack(
-            [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count), spring]
+            [rows.acceleration, self.slope(MIDDLE), level, np.ones(rows.count)]
             + [self.rows(MIDDLE).unknown(path) for path in self._looked_for]
         )
         size = np.sqrt(np.mean(x * x, axis=0)) + TINY
         weights = TINY ** (rows.hidden * self.clips)
-        for kept in (1.0, 0.0) if self.pulled else (0.0,):
-            x[:, 4] *= kept
-            weighed = x / size * weights[:, None]
-            c = np.linalg.lstsq(weighed, rows.force * weights, rcond=SAME_SPAN)[0] / size
-            if c[4] >= 0.0 or not self.controlled:
-                break
-        return np.asarray(c)
+        weighed = x / size * weights[:, None]
+        return np.asarray(np.linalg.lstsq(weighed, rows.force * weights, rcond=SAME_SPAN)[0] / size)
 
     @property
     def _looked_for(self) -> list[str]:
@@ -693,13 +617,12 @@ class Balance:
 
         That which was recorded has its noise, with which it would explain itself.
         """
-        inertia, slope, level, constant, spring, *sizes = self._from._plainly(memory).tolist()
+        inertia, slope, level, constant, *sizes = self._from._plainly(memory).tolist()
         every = []
         for piece, state in zip(self.pieces, self.states(memory), strict=True):
             record, acceleration = piece.record, piece.acceleration
             result = inertia * acceleration + slope * piece.velocity / self.frame.top + constant
             result = result + level * state * self.load(piece)
-            result = result + spring * self.spring(record.position)
             for path, size in zip(self._from._looked_for, sizes, strict=True):
                 one = record.unknown[path]
                 result = result + size * (one.inertia * acceleration - one.force)
@@ -712,11 +635,6 @@ class Balance:
         if self.driven:
             return rows.seen(self.needed(memory), slope=1)
         return rows.driven(self.acting, slope=1)
-
-    def above(self, which: int, limit: float) -> Array:
-        """Return the share of the force above a limit, with its sign, at the rows (n,)."""
-        parts = [piece.above(limit) for piece in self.pieces]
-        return self.rows(which).seen(parts, acting=self.acting)
 
     @property
     def clips(self) -> bool:
@@ -731,16 +649,14 @@ class Balance:
             pieces.append(replace(piece, hidden=piece.clipped * np.maximum(beyond, 0.0)))
         self.take(pieces)
 
-    def excess(self, acting: Acting) -> float:
-        """Return by how much forces are above a limit in the mean, with their noise [N].
+    @property
+    def excess(self) -> float:
+        """By how much forces are above what their sensor shows, in the mean, with their noise [N].
 
-        A limit within the noise takes nothing but noise from them, which is no better for it.
+        An excess within the noise takes nothing but noise from them, which is no better for it.
         """
-        force = np.abs(np.concatenate([piece.given.force for piece in self.pieces]))
-        above = force[force > acting.limit] - acting.limit
-        if acting.clipped:
-            above = np.concatenate([np.abs(x.hidden * x.clipped) for x in self.pieces])
-            above = above[np.concatenate([x.clipped != 0.0 for x in self.pieces])]
+        above = np.concatenate([np.abs(x.hidden * x.clipped) for x in self.pieces])
+        above = above[np.concatenate([x.clipped != 0.0 for x in self.pieces])]
         return math.hypot(float(np.mean(above)), self._force_noise) if len(above) else 0.0
 
     @cached_property
@@ -797,19 +713,6 @@ class Balance:
         c = np.linalg.lstsq(x / size, rows.response, rcond=SAME_SPAN)[0] / size
         return dict(zip(paths, np.abs(c).tolist(), strict=False))
 
-    def relaxing(self, piece: Piece, shares: Array) -> Array:
-        """Return how far springs are stretched that relax, over the range of positions (n, p).
-
-        Time constants are shares (p,) of the duration. Hoses and cables relax. In steady motion
-        they pull as dampers do, which is no friction.
-        """
-        parts, frame = [], self.frame
-        for constant in shares * frame.duration:
-            kept = math.exp(-piece.step / constant)
-            stretch = lfilter([constant * (1.0 - kept)], [1.0, -kept], piece.velocity)
-            parts.append(stretch / min(frame.span, frame.top * constant))
-        return np.column_stack(parts)
-
     def _taken(self, which: int) -> dict[str, Array]:
         """Return what the inertia and the mechanism take at the rows (n,), and both.
 
@@ -837,60 +740,19 @@ class Balance:
             return {"body": result.get("both", sum(result.values(), np.zeros(rows.count)))}
         return result
 
-    def _on_spring(self, which: int) -> Array:
-        """Return what an inertia on a spring changes, with its mode and swings (n, p)."""
-        assert self.mode is not None
-        *mode, inertia = self.mode
-        parts = [self.sprung(which, *mode)]
-        for step in BESIDE_MODE:
-            more, less = (self.sprung(which, *mode * np.exp(k * step)) for k in (1.0, -1.0))
-            parts.append(5.0 * (more - less))
-        rate = float(np.sqrt(np.mean(self._from.rows(MIDDLE).acceleration ** 2)))
-        return inertia * np.column_stack([*parts, rate * self.swinging(which, *mode)])
-
-    def sprung(self, which: int, frequency: float, damping: float) -> Array:
-        r"""Return the acceleration of a mass on a spring less that measured (n,) [m/s^2].
-
-        The other end of the spring is where the position was measured: of its acceleration the
-        mass has a share of :math:`1 - s^2 / (s^2 + 2 \zeta \omega s + \omega^2)`. Both begin with
-        the same velocity and the spring at rest: else it swings as well (`swinging`).
-        """
-        w, parts = 2.0 * math.pi * frequency, []
-        for piece in self.pieces:
-            b, a = bilinear([-1.0, 0.0, 0.0], [1.0, 2.0 * damping * w, w * w], 1.0 / piece.step)
-            q, t, filt = piece.record.position, piece.record.time, piece.filters[MIDDLE]
-            x = filt(q, bent=True, wider=SMOOTH * frequency / filt.band, full=True)
-            parts.append(lfilter(b, a, x - x[0] - piece.velocity[0] * (t - t[0])))
-        return self.rows(which).seen(parts, slope=2)
-
-    def swinging(self, which: int, frequency: float, damping: float) -> Array:
-        """Return a free swing from the beginning of each of the first pieces (n, 2 p)."""
-        rows = self.rows(which)  # the filter changes nothing of it but its size
-        starts = np.array([piece.record.time[0] for piece in self.pieces])
-        turning = 2.0 * math.pi * frequency * (1j * math.sqrt(1.0 - damping**2) - damping)
-        swing = np.exp(turning * (rows.time - starts[rows.piece]))
-        first = np.arange(min(len(starts), SWINGS))
-        each = (rows.piece[:, None] == first) * swing[:, None]
-        return np.hstack([each.real, each.imag])
-
     def forces(self, position: Array) -> Array:
-        """Return the basis of a force that changes with the place (n, p).
+        """Return the basis of a force that changes with the place (n, p), without a line over it.
 
-        If a spring may act, the last is in proportion to the place, with a size of its own, and the
-        cosines have no part of it: few springs push away, and controllers pass for one that does.
+        Of one frequency a line, the inertia and a delay are one thing.
         """
         places = self.frame.places(position, self.waves[0])
-        if not self.pulled:
+        if not self.driven or self.pieces[0].record.joint:
             return places
-        spring = self.spring(position)
+        along = np.clip(2.0 * (position - self.frame.begin) / self.frame.span - 1.0, -1.0, 1.0)
         order = np.arange(1, COSINES + 1)
         line = -12.0 * (order % 2) / (math.pi * order) ** 2 / np.hypot(1.0, order / CURVED)
-        places[:, :COSINES] -= np.outer(np.clip(spring, -1.0, 1.0), line)
-        return np.column_stack([places, spring])
-
-    def spring(self, position: Array) -> Array:
-        """Return the position from the middle of its range, over half of that (n,)."""
-        return np.asarray(2.0 * (position - self.frame.begin) / self.frame.span - 1.0)
+        places[:, :COSINES] -= np.outer(along, line)
+        return places
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""

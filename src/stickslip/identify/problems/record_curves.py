@@ -281,18 +281,14 @@ class _Readings:
         for name, b in plain.items():
             if name in (*COURSES, "turn", "run") or (self.rests and name in BRISTLES):
                 continue
-            if name not in every:  # the dead zone of a drive, of which the other record is without
-                continue
-            columns, c, beyond = every[name], b, np.zeros((count, 1))
-            if name == "force" and model.balance.pulled:  # a spring is one at other places, too
-                columns, c, beyond = columns[:, :-1], b[:-1], np.outer(b[-1], columns[:, -1])
-            learned = (columns @ c).T
+            columns = every[name]
+            learned = (columns @ b).T
             if name in BY_PLACE:
-                new = (columns @ (rms(c) * rng.normal(size=c.shape))).T
+                new = (columns @ (rms(b) * rng.normal(size=b.shape))).T
                 in_time = np.sum(plain[BY_PLACE[name]] ** 2, axis=0)
-                of_place = rng.uniform(size=count) > in_time / (in_time + np.sum(c * c, axis=0))
+                of_place = rng.uniform(size=count) > in_time / (in_time + np.sum(b * b, axis=0))
                 near = of_place[:, None] * self.near
-                learned = beyond + near * learned + np.sqrt(1.0 - near**2) * new
+                learned = near * learned + np.sqrt(1.0 - near**2) * new
             if name in (*fixed, "sides"):
                 beside += learned
             else:

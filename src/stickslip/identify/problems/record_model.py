@@ -9,8 +9,6 @@ At the rows :math:`i` of the filtered balance,
 with the inertia and what else is looked for, a law and the curve that lag with the bristle
 (`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
 
-0. *Mode*: frequency and damping of a mass on a spring, if a plain balance makes one likelier than
-   its prior, as columns of its share of the inertia, of errors of the mode and of free swings.
 1. *Screen*: the bristles whose curve with the inertia leaves least.
 2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
    state of the bristle and piece, with weights of a Student distribution; the share of rows that
@@ -34,6 +32,8 @@ from scipy.linalg import cho_factor, cho_solve, cholesky
 
 from stickslip.identify.own_laws import certain_of, signed_of
 from stickslip.identify.posterior import (
+    AT_BOUND,
+    COEFFICIENT,
     Array,
     Column,
     Family,
@@ -46,29 +46,25 @@ from stickslip.identify.posterior import (
     System,
 )
 from stickslip.identify.problems.record_columns import (
-    CONSTANTS,
     FORCE,
-    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
     RIGID,
     Balance,
     Memory,
-    Mode,
     RecordFrame,
     law_column,
 )
 from stickslip.identify.problems.record_rows import (
     CUTOFFS,
-    LOW,
     MIDDLE,
     SHORT,
     Acting,
     BalanceRows,
 )
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, PLACE, SIGNED, Grid, levels_at
+from stickslip.identify.vocabulary import DRY, FAMILIES, NARROW, SIGNED, Grid, levels_at
 
 Names: TypeAlias = NDArray[np.str_]
 Mask: TypeAlias = NDArray[np.bool_]
@@ -94,8 +90,6 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.045, 0.005)),
     "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
     "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.09, 0.01)),
-    "spring": ((0.0005, 0.1, 1.0, 1.0), (0.8, 0.1, 0.08, 0.02)),
-    "relaxing": ((0.0005, 0.03, 0.2, 1.0), (0.94, 0.03, 0.02, 0.01)),
     "stretch": (
         (0.0005, 0.003, 0.01, 0.03, 0.08, 0.2, 0.5),
         (0.2, 0.25, 0.25, 0.15, 0.1, 0.04, 0.01),
@@ -103,8 +97,6 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "turn": ((0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0), (1 / 7,) * 7),
     "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
     "delay": ((0.5, 5.0), (0.8, 0.2)),
-    "zone": ((0.0005, 0.03, 0.1, 0.4), (0.9, 0.05, 0.03, 0.02)),
-    "flexible": ((0.0005, 0.1, 0.5), (0.95, 0.025, 0.025)),
     "load": ((0.02, 0.1, 0.4), (0.4, 0.4, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "push": ((0.003, 0.05, 0.3), (0.7, 0.2, 0.1)),
@@ -114,32 +106,27 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "given": ((0.01, 0.1, 1.0, 10.0), (0.8, 0.15, 0.04, 0.01)),
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
-common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
-force by place, and over the force of a spring, the last of one that may push away; of springs that
-relax; of the level and viscous friction of a twentieth of the record; of the pulse of a turn; of
-bristles of other lengths; the delay in samples; the dead zone of a drive; the share of the inertia
-that is on a spring; the change with an e-fold of the load that is not in proportion, and with an
-input by its standard deviation; level and viscous friction of another run, and of one of a joint,
-in which is what its rigid body misses (first parts of records of two arms: .02 to .2 from run to
-run); noise over what the last round left, which a fit that follows the noise makes too small;
-errors of the inertia and of the forces that are given, over these, of which the last are wrong
-units. They say what a careful experimenter would expect."""
+common to both directions and of each; of its length in e-folds of speed; of drift, level by place
+and force by place; of the level and viscous friction of a twentieth of the record; of the pulse of
+a turn; of bristles of other lengths; the delay in samples; the change with an e-fold of the load
+that is not in proportion, and with an input by its standard deviation; level and viscous friction
+of another run, and of one of a joint, in which is what its rigid body misses (first parts of
+records of two arms: .02 to .2 from run to run); noise over what the last round left, which a fit
+that follows the noise makes too small; errors of the inertia and of the forces that are given, over
+these, of which the last are wrong units. They say what a careful experimenter would expect."""
 USUAL: dict[str, int] = {
-    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "spring": 0,
-    "relaxing": 0, "stretch": 3,
-    "turn": 3, "others": 1, "delay": 0, "zone": 0, "flexible": 0, "load": 1, "input": 1,
-    "push": 0, "run": 1, "noise": 1, "given": 1,
+    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "stretch": 3,
+    "turn": 3, "others": 1, "delay": 0, "load": 1, "input": 1, "push": 0, "run": 1, "noise": 1,
+    "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
     "offset": 0.3,
     "side": 0.003,
     "slow": 0.3,
-    "limit": 0.1,
 }
 """Sizes that are no scales: a constant force, the least of the slope by direction, and what levels
-change by at speeds below those resolved, which tells no shape of a law; and the error of the force
-at which a drive saturates."""
+change by at speeds below those resolved, which tells no shape of a law."""
 STEEP = 3.0
 """Size of the slope by direction over that of the curve by direction, of which it is the line."""
 TIMED = 0.1
@@ -178,7 +165,7 @@ EXPONENTS = (0.5, 2.0)
 NEARER = (0.84, 1.19)
 """Lengths about the best, if that has another exponent than Dahl's usual one."""
 KEPT = 2
-"""Bristles beside which delays and limits are looked for."""
+"""Bristles beside which delays are looked for."""
 SEEN = 0.03
 """Root mean square of what a bristle lacks of being stretched, from which its length follows."""
 FOLLOWING = (0.8, 1.0, 1.3, 1.7)
@@ -234,26 +221,14 @@ NARROWER = 0.98
 taken: noise moves turns as well."""
 FARTHEST = 30.0
 """Medians as which what is left at turns counts at most, where that is what is compared."""
-MODES = 33
-"""Number of frequencies of a mass on a spring that are looked at."""
-BEYOND = 1.3
-"""The least of them over the highest of the motion: below it, other joints pass for such a mass."""
-STIFF = 5.0
-"""The largest: far above the motion, a mass goes along within 1/25."""
-DAMPINGS = (0.02, 0.1)
-"""Damping ratios of such a mass that are looked at."""
-DAMPED = 0.15
-"""The largest of a spring: what is damped more passes for a force that is late."""
-LIMITS = np.geomspace(0.2, 0.95, 16)
-"""Limits of the force that are looked at, over the largest."""
 FINER = 5
 """Times that what is looked at is refined by thirds of a step."""
 HALVED = 2.0
 """What is left with a linear delay over that with another, from which that is looked at: what a
 motion with other joints leaves is no noise, and less than that is gained there by 17 ms."""
 OTHERWISE = 0.05
-"""Prior probability that a channel is late by more than is linear, that a drive saturates, and that
-a sensor of the force clips: of careful experimenters one in twenty has not seen it."""
+"""Prior probability that a channel is late by more than is linear, and that a sensor of the force
+clips: of careful experimenters one in twenty has not seen it."""
 FEW, FEWEST = 20, 5
 """Rows that a quantile or a median needs."""
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
@@ -262,9 +237,9 @@ BESIDE_LEVELS = ("power", "saturating", "tanh")
 """Flows that fall off, and so may stand for a level, and a level as smooth as with bristles."""
 FLOWING = frozenset({"viscous", "power", "saturating"})
 """Flows that are near to viscous friction, not distinguished from a damping that is looked for."""
-ALONG = ("drift", "place", "force", "spring", "relaxing", "stretch", "run")
+ALONG = ("drift", "place", "force", "stretch", "run")
 """Scales of what changes along a record."""
-BESIDE = ("spring", "relaxing", "zone", "flexible", "drift", "place", "force", "others")
+BESIDE = ("drift", "place", "force", "others")
 """Scales of what may stand for another: each is compared with the best without it."""
 PUSHED = {"push": 2, "input": 2}
 """Where an input moves a constant force and friction by much."""
@@ -352,7 +327,7 @@ class RecordModel(Model):
         self.columns = tuple(dict.fromkeys(item for law in self.structures for item in law))
         self.memories: list[Memory] = []
         self.actings: list[Acting] = [self.balance.acting]
-        """How forces may act: as recorded, or late, or up to a limit."""
+        """How forces may act: as recorded, or late, or beyond what their sensor shows."""
         self.otherwise: list[Node] = []
         """Nodes at which each of these does best."""
         self.alone: int | None = None
@@ -371,6 +346,7 @@ class RecordModel(Model):
         self._grams: dict[tuple[int, int, int, int], Array] = {}
         self._fixed: dict[int, dict[str, Array]] = {}
         self._roots: dict[int, Array] = {}
+        self._heavy: bool | None = None
         self._choose_band()
         node = self._rounds()
         self.start = self._widen(node)
@@ -403,12 +379,7 @@ class RecordModel(Model):
     def scales(self) -> Sequence[Scale]:  # type: ignore[override]
         """The scales: sizes, then how forces act, the bristle and the cutoff."""
         priors = {name: SCALES[name][1] for name in self.names}
-        if self.balance.controlled:
-            priors |= {"spring": (*SCALES["spring"][1][:-1], 0.0)} if "spring" in priors else {}
-        sizes = [
-            Scale(name=name, values=SCALES[name][0], prior=p, ordered=name != "spring")
-            for name, p in priors.items()
-        ]
+        sizes = [Scale(name=name, values=SCALES[name][0], prior=p) for name, p in priors.items()]
         lengths = tuple(item.length for item in self.memories)
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
         acts = [odds_of(x) * (self.alone in (None, k)) for k, x in enumerate(self.actings)]
@@ -427,11 +398,7 @@ class RecordModel(Model):
         balance = self.balance
         acts = {
             "sides": len(self.frame.sides) > 1,
-            "spring": balance.pulled,
             "turn": balance.turned,
-            "relaxing": not balance.measured,
-            "zone": balance.opposed,
-            "flexible": bool(balance.mode),
             "load": self.frame.load != 1.0,
             "input": bool(self.frame.inputs),
             "push": bool(self.frame.inputs) and len(self.frame.sides) > 1,
@@ -468,43 +435,33 @@ class RecordModel(Model):
         noise = self.at(node, "noise")
         gram = self._gram(which, memory, node[-3], node[self.names.index("length")])
         design, unknown = self.design(which, memory), self.balance.pieces[0].record.unknown
+        gram = self.kappas[which] / noise**2 * gram
+        inertia: tuple[int, ...] = ()
+        if self.balance.finds_inertia:
+            inertia = (design.places["inertia"].start,)
+            if self._heavy is None:
+                self._heavy = is_possible(inertia[0], gram, self.deviations(node))
         return System(
-            gram=self.kappas[which] / noise**2 * gram,
+            gram=gram,
             deviations=self.deviations(node),
             volume=self.kappas[which] * self._volume(node),
             sizes=design.sizes,
-            positive=self._positive(node),
+            positive=inertia * bool(self._heavy),
             links=tuple(design.places[name].start for name, x in unknown.items() if x.link),
         )
-
-    def _positive(self, node: Node) -> tuple[int, ...]:
-        """Return the columns whose coefficients are not negative.
-
-        They are dead zones, masses on springs and most springs. Where they are no more than noise,
-        they may have either sign, and the last size of a spring.
-        """
-        places, result = self.design(*self.key(node)).places, list[int]()
-        alone = ((name, name, (0,)) for name in ("zone", "flexible"))
-        for name, group, signs in (*alone, ("spring", "force", (0, 3))):
-            if name in self.names and node[self.names.index(name)] not in signs:
-                columns = places[group]
-                result.append(columns.start if group == name else columns.stop - 1)
-        return tuple(result)
 
     def _volume(self, node: Node) -> float:
         """Return the sum over the rows of the logarithm of the density of what is left none of.
 
-        Of forces above a limit nothing but the excess over it is data, which spreads by as much as
-        it is in the mean, at least by the noise. What the limit leaves counts as elsewhere.
+        Of forces that a sensor hides nothing but the excess over what it shows counts, which
+        spreads by as much as it is in the mean, at least by the noise.
         """
         acting, which = self.acting(node), self.key(node)[0]
         noise = self.at(node, "noise") / self.weights[which, node[-3]]
-        if math.isfinite(acting.limit) or acting.clipped:
+        if acting.clipped:
             share = self.hidden(which, node[-3])
             noise = noise * EXACT**share
-            if not acting.clipped:
-                share = np.minimum(np.abs(self._fixed[which]["limit"][:, 0]), 1.0)
-            noise = noise * np.maximum(self.balance.excess(acting) / noise, 1.0) ** share
+            noise = noise * np.maximum(self.balance.excess / noise, 1.0) ** share
         return self.spread[which, node[-3]] - float(np.sum(np.log(noise)))
 
     def hidden(self, which: int, acting: int) -> Array:
@@ -611,7 +568,7 @@ class RecordModel(Model):
                     positive = unknown.given > 0.0 and unknown.given + unknown.limits[0] >= 0.0
                     far = unknown.given if positive else np.maximum(abs(unknown.given), usual)
                     result[at] = SETTLED * far
-            elif name in ("given", "flexible"):
+            elif name == "given":
                 result[at] = self.at(node, name)
             elif name == "delay":
                 result[at] = self.at(node, name) * record.sample * (TIMED if self.timed else 1.0)
@@ -620,8 +577,6 @@ class RecordModel(Model):
                 result[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
             elif name == "side":
                 result[at] = max(STEEP * self.at(node, "sides"), SIZES["side"]) * size
-            elif name == "limit" and not math.isfinite(self.acting(node).limit):
-                result[at] = LEAST * size
             elif name in SIZES:
                 result[at] = SIZES[name] * size
             else:
@@ -630,14 +585,7 @@ class RecordModel(Model):
                 # a force beside friction changes with the place and in time
                 scale = with_input if times else "force" if name == "zero" else name
                 result[at] = max(self.at(node, scale), LEAST) * size
-                if name == "force" and self.balance.pulled:
-                    result[np.flatnonzero(at)[-1]] = self._of_spring(node, of_force)
         return result
-
-    def _of_spring(self, node: Node, of_force: float) -> float:
-        """Return the size of a spring: a share of the force, or of the friction if it is none."""
-        value = self.at(node, "spring")
-        return value * (self.size if value == SCALES["spring"][0][0] else of_force)
 
     # ---- which bristles
     def _choose_band(self) -> None:
@@ -648,86 +596,25 @@ class RecordModel(Model):
 
     def _left_plainly(self) -> float:
         """Return the mean square that a balance with a curve of the velocity leaves."""
-        left = solved_softly(self._bare("relaxing"), self.balance.rows(MIDDLE).response)[1]
-        return capped(left, FARTHEST)
-
-    def _bare(self, *further: str, which: int = MIDDLE) -> Array:
-        """Return the columns of a balance with a curve of the velocity, and further ones (n, p)."""
-        balance, rows = self.balance, self.balance.rows(which)
-        plain = balance.fixed(which)
-        without = {"force", "zero", "relaxing", "flexible"} - {*further}
-        names = [name for name in plain if name not in without]
+        balance, rows = self.balance, self.balance.rows(MIDDLE)
+        plain = balance.fixed(MIDDLE)
         curve = []
         for piece, state in zip(balance.pieces, balance.states(RIGID), strict=True):
             z = (state * balance.load(piece))[:, None]
             curve.append(np.hstack([z, z * self.frame.hats(piece.velocity)[:, ::2]]))
-        return np.hstack([rows.seen(curve), *(plain[name] for name in names)])
-
-    def _mode(self, which: int) -> Mode | None:
-        """Return the mode of a mass on a spring, if likely.
-
-        The mass is above 0 and at most the inertia. Beside it stand a curve of the velocity, forces
-        by place and a linear delay.
-        """
-        balance, rows = self.balance, self.balance.rows(which)
-        longest = max(balance.pieces, key=lambda piece: len(piece.velocity))
-        frequencies = longest.highest_frequency * np.geomspace(BEYOND, STIFF, MODES)
-        frequencies = frequencies[frequencies < longest.cutoff]
-        resolved = np.flatnonzero(rows.far > RESOLVED)
-        if not (balance.driven and len(frequencies) and len(resolved) >= FEW):
-            return None
-        x = np.hstack([self._bare("force", which=which), balance.delayed(which, RIGID)[:, None]])
-        plain = solved_softly(x, rows.response)[0]
-        inertia = abs(float(plain[-2])) if balance.finds_inertia else balance.inertia
-        if len(resolved) < 2 * x.shape[1] or not inertia > 0.0:
-            return None
-        y, basis = rows.response[resolved], np.linalg.qr(x[resolved])[0]
-        e = y - basis @ (basis.T @ y)
-        e = np.clip(e, *FARTHEST * float(np.median(np.abs(e))) * np.array([-1.0, 1.0]))
-        rounding = EXACT**2 * float(y @ y)
-        if e @ e <= rounding:
-            return None
-
-        def gain(logarithms: Array) -> float:
-            """Return the logarithm of what a mass gains beside the swings of its mode."""
-            mode = np.exp(logarithms)
-            both = [balance.swinging(which, *mode), balance.sprung(which, *mode)]
-            columns = np.column_stack(both)[resolved]
-            apart, sizes = np.linalg.qr(columns - basis @ (basis.T @ columns))
-            apart *= np.diag(sizes) ** 2 > RIDGE * np.sum(columns**2, axis=0)
-            *swings, least = (apart.T @ e).tolist()
-            most = inertia * float(sizes[-1, -1])
-            taken = min(max(least * float(np.sign(most)), 0.0), abs(most))
-            left = max(float(e @ e) - sum(x * x for x in swings), rounding)
-            share = taken * (2.0 * abs(least) - taken) / left
-            return -0.5 * KAPPA * len(e) * math.log(max(1.0 - share, TINY))
-
-        looked = np.log([*product(frequencies, DAMPINGS)])
-        mode = max(looked, key=gain)
-        if gain(mode) < math.log(len(looked) / OTHERWISE):
-            return None
-        step = np.array([math.log(STIFF / BEYOND) / MODES, 1.0])
-        for _ in range(2 * FINER):
-            step = 0.6 * step
-            mode = max((mode + step * way for way in product((-1, 0, 1), repeat=2)), key=gain)
-        frequency, damping_ratio = np.exp(mode).tolist()
-        return Mode(frequency, damping_ratio, inertia) if damping_ratio < DAMPED else None
+        beside = [x for name, x in plain.items() if name not in ("force", "zero")]
+        left = solved_softly(np.hstack([rows.seen(curve), *beside]), rows.response)[1]
+        return capped(left, FARTHEST)
 
     def _screen(self) -> Array:
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
-        # as forces act now; noise of accelerations, for which a mass above the motion may stand, is
-        # least at the lowest cutoff
-        balance.mode = self._mode(MIDDLE) and self._mode(LOW)
         self.names = tuple(name for name in SCALES if self._acts(name))
         plain = balance.fixed(MIDDLE)
         names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
         drag = [p.velocity * np.abs(p.velocity) / frame.top**2 for p in balance.pieces]
         base = [plain["slope"], rows.seen(drag)[:, None]]
-        if balance.mode:
-            base.append(plain["flexible"])
-        if balance.pulled and not balance.controlled:
-            base.append(plain["force"][:, -1:])
+        base += [rows.position[:, None]] * balance.is_no_line
         base += [plain[name] for name in names]  # the inertia is the last
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(piece.velocity)[:, ::2] for piece in balance.pieces]
@@ -796,37 +683,27 @@ class RecordModel(Model):
         _, _, left, self.size, inertia = looked[0]
         self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
         balance.waves = pushed, level_wave(rows, frame.span, frame.noise, left)
-        if not balance.measured:
-            parts = [balance.relaxing(piece, CONSTANTS) for piece in balance.pieces]
-            without = soft_solver(np.hstack([columns(looked[0][1]), plain["zero"]]))
-            e, *stretched = (without(x)[1] for x in (rows.response, *rows.seen(parts).T))
-            gains = [x @ e / (math.sqrt(x @ x) + TINY) for x in stretched]
-            if 0 < (most := int(np.argmax(gains))) < len(CONSTANTS) - 1:
-                balance.relaxation = float(CONSTANTS[most])
         self.inertia = inertia if balance.finds_inertia else balance.inertia
         self.first = next((k for k, item in enumerate(self.memories) if item is looked[0][1]), 0)
         return left
 
     def _look_otherwise(self, columns: Sequence[Array]) -> None:
-        """Look for how forces may act otherwise: late, up to a limit, or beyond a sensor's range.
+        """Look for how forces may act otherwise: late, or beyond a sensor's range.
 
-        Delay and limit stand beside the columns of some bristles (n, p), of which the last is for
-        the rest of a delay. The posterior compares those that a plain balance makes likelier than
-        their prior, and a sensor that clips wherever one may.
+        A delay stands beside the columns of some bristles (n, p), of which the last is for the rest
+        of a delay. The posterior compares one that a plain balance makes likelier than its prior,
+        and a sensor that clips wherever one may.
         """
         now = self.balance.acting
         shown = self.balance.turned or not self.balance.measured  # only turns show late friction
         result = [self._delayed(columns)] if shown and not now.delay else []
-        if self.balance.driven and not (math.isfinite(now.limit) or now.clipped):
-            result.append(self._limited(columns))
-            if self.balance.clips:  # the posterior tells
-                self.balance.reveal()
-                result.append((replace(now, clipped=True), math.inf))
+        if self.balance.clips and not now.clipped:  # the posterior tells
+            self.balance.reveal()
+            result.append((replace(now, clipped=True), math.inf))
         for acting, gain in result:
             likelier = KAPPA * gain + math.log(odds_of(acting) / odds_of(now)) > 0.0
             if likelier and acting not in self.actings:
                 self.actings.append(acting)
-                self.balance.limit = min(self.balance.limit, acting.limit)
 
     def _delayed(self, columns: Sequence[Array]) -> tuple[Acting, float]:
         """Return the likeliest delay, and the logarithm of what it gains over what is linear.
@@ -851,26 +728,6 @@ class RecordModel(Model):
         most, best, order = max(every)
         return replace(balance.acting, delay=best, order=order), most - linear
 
-    def _limited(self, columns: Sequence[Array]) -> tuple[Acting, float]:
-        """Return the likeliest limit of the force, and the logarithm of what it gains.
-
-        As of the posterior, for rows that all count and have the same noise.
-        """
-        balance, count = self.balance, self.balance.rows(MIDDLE).count
-        solvers = [soft_solver(x) for x in columns]
-
-        def likely(logarithm: float) -> float:
-            limit = math.exp(logarithm)
-            y = balance.response(MIDDLE, replace(balance.acting, limit=limit))
-            noise = math.sqrt(min(capped(of(y)[1]) for of in solvers)) + TINY
-            above = float(np.minimum(np.abs(balance.above(MIDDLE, limit)), 1.0).sum())
-            wider = max(balance.excess(Acting(limit=limit)) / noise, 1.0)
-            return -count * math.log(noise) - above * math.log(wider)
-
-        largest = max(float(np.max(np.abs(piece.given.force))) for piece in balance.pieces)
-        best, most = likeliest(likely, np.log(LIMITS * largest))
-        return replace(balance.acting, limit=math.exp(best)), most - likely(math.log(largest))
-
     # ---- rounds
     def _rounds(self) -> Node:
         """Search at the middle cutoff, and find noise and bristles anew; return the best node."""
@@ -892,14 +749,11 @@ class RecordModel(Model):
         return node
 
     def _begun(self) -> Node:
-        """Screen and search, anew where forces act otherwise; return the best node.
-
-        A mode is that of the forces as they act at the best, or would act so again.
-        """
-        tried = dict[Acting, Mode | None]()
+        """Screen and search, anew where forces act otherwise; return the best node."""
+        tried = list[Acting]()
         while True:
-            left, again = self._screen(), self.balance.acting in tried
-            tried[self.balance.acting] = self.balance.mode
+            left = self._screen()
+            tried.append(self.balance.acting)
             usual = tuple(USUAL[name] for name in self.names)
             begin: list[Node] = [(*usual, k, self.first, 0) for k in range(len(self.actings))]
             for node in begin:
@@ -909,7 +763,7 @@ class RecordModel(Model):
                 nodes = [self._again(self._search(item)) for item in nodes]
             here, self.otherwise = self._here(*nodes), nodes
             best = max(nodes, key=here.value)
-            if again or tried.get(self.acting(best), False) == self.balance.mode:
+            if self.acting(best) in tried:
                 return best
             self._act(best)
 
@@ -931,12 +785,12 @@ class RecordModel(Model):
         """Return nodes from which a search begins, too, by bristle.
 
         At some nothing changes along a record, whose noise is large: a search that begins only
-        where much changes may stay where that follows the noise. At others a spring relaxes by
-        much, or a unit is wrong, for little of that is not better than none.
+        where much changes may stay where that follows the noise. At others a unit is wrong, for
+        little of that is not better than none.
         """
         most = {name: len(SCALES[name][0]) - 1 for name in self.names}
         result, still = list[Node](), {"noise": most["noise"], **dict.fromkeys(ALONG, 0)}
-        for other in (still, {"relaxing": 2}, {"zone": 3}, {"flexible": 2}, WRONG, PUSHED):
+        for other in (still, WRONG, PUSHED):
             sizes = [min(other.get(name, USUAL[name]), most[name]) for name in self.names]
             result += [(*sizes, acting, k, 0) for k in range(len(self.memories))]
         return result
@@ -1238,6 +1092,15 @@ def stretches(count: int) -> Places:
     return np.minimum(np.arange(count) * STRETCHES // count, STRETCHES - 1)
 
 
+def is_possible(at: int, gram: Array, deviations: Array) -> bool:
+    """Return whether a coefficient may be above 0; data that have it far below are wrong."""
+    sizes = np.append(deviations, np.full(len(gram) - 1 - len(deviations), COEFFICIENT))
+    precision = sizes[:, None] * gram[:-1, :-1] * sizes + np.eye(len(sizes))
+    unit = np.eye(len(sizes))[at]
+    of_it = np.linalg.solve(precision, unit)
+    return bool(of_it @ (sizes * gram[:-1, -1]) > AT_BOUND * math.sqrt(of_it[at]))
+
+
 def share_of(scores: Array) -> float:
     """Return the share of rows that count, by scores (n, p) of orthogonal columns.
 
@@ -1258,16 +1121,9 @@ def usual_families(frame: RecordFrame) -> list[Family]:
 
 
 def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structure, float]]:
-    """Yield laws with their shapes, and the logarithms of their priors.
-
-    A level by what the gear transmits costs one place from usual to unusual more.
-    """
-    for family in families:
-        beside = [(GEAR, ())] if GEAR in family else list[Column]()
-        rest = tuple(name for name in family if name != GEAR)
-        for _, shapes, prior in grid.families([rest]):
-            law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda item: item[0])
-            yield tuple(law), prior - PLACE * len(beside)
+    """Yield laws with their shapes, and the logarithms of their priors."""
+    for family, shapes, prior in grid.families([tuple(sorted(item)) for item in families]):
+        yield tuple(zip(family, shapes, strict=True)), prior
 
 
 def _top(x: Array, y: Array) -> tuple[float, float]:
@@ -1326,7 +1182,7 @@ def likeliest(likely: Callable[[float], float], grid: Array) -> tuple[float, flo
 
 
 def odds_of(acting: Acting) -> float:
-    """Return prior odds of a delay and a limit that leave least of those looked at, against none.
+    """Return prior odds of a delay that leaves least of those looked at, and of clipping.
 
     Together those looked at have that of `OTHERWISE`, of which the others count for nothing.
 
@@ -1337,7 +1193,6 @@ def odds_of(acting: Acting) -> float:
     """
     each = {
         len(DELAYS) * len(ORDERS): acting.delay != 0.0,
-        len(LIMITS): math.isfinite(acting.limit),
         1: acting.clipped,
     }
     return math.prod(OTHERWISE / (1.0 - OTHERWISE) / count for count, acts in each.items() if acts)

@@ -26,7 +26,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from stickslip.errors import InputError
 from stickslip.identify.fits import SURE, play
-from stickslip.identify.problems.record_signals import Filter, Record
+from stickslip.identify.problems.record_signals import Filter, Record, noise_of, step_of
 
 Array: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
@@ -34,11 +34,12 @@ Mask: TypeAlias = NDArray[np.bool_]
 
 RESTS = (
     "the body rests throughout the record, or moves by no more than the noise of its position:"
-    " nothing tells friction. Move it farther."
+    " friction cannot be determined. Move it farther."
 )
 COST = 0.0015
-"""Noise of the inertial force over the standard deviation of the force: at 1 % of it, viscous
-friction of axes in a loop is wrong by .3 to 1.9 %."""
+"""Noise of the inertial force over the standard deviation of the force, or over its root mean
+square where the motion goes one way: at 1 % of it, viscous friction of axes in a loop is wrong by
+.3 to 1.9 %."""
 CUTOFFS = (0.7, 1.0, 1.4)
 """Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
 LOW, MIDDLE = 0, 1
@@ -59,8 +60,9 @@ PER, FINER = 2.2, 3
 """Rows for each 1/cutoff, and how many times as many the filter gives, so that nothing aliases."""
 MOST_ROWS = 6000
 """Rows at most; of longer records, fewer for each 1/cutoff."""
-STILL = 8.0
-"""Range of positions within 1/cutoff that is rest, over their noise."""
+STILL, TRAVEL = 8.0, 80.0
+"""Range of positions within 1/cutoff that is rest, over their noise; and in all the record that is
+motion, however short its slips and rests are."""
 WIDER, LITTLE = 2.0, 0.1
 """Least band of the velocity over that of the rows, and its noise over its change in a sample up to
 which it is wider."""
@@ -81,8 +83,6 @@ SIGMA = 1.4826
 """Standard deviation over the median size, of normal noise."""
 TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
-POWER = 0.999
-"""Share of the power of velocities up to the highest frequency of a motion."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
 ALONG = 3.0
@@ -90,6 +90,9 @@ ALONG = 3.0
 long."""
 SHORT = 10.0
 """Length over the noise of positions from which on a bristle is seen."""
+COARSE = 2.0
+"""Step of an encoder over the noise of its values, from which nothing but the step is their noise:
+it is the root of 12 where there is no other."""
 MOMENT = 2
 """Samples about a turn that do not tell when it was."""
 OTHER_UNIT = 0.3
@@ -240,7 +243,10 @@ def cutoff_of(record: Record) -> float:
     most = min(SAMPLES / step, HIGHEST)
     # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
     costs = record.gain * inertia * _noise_of_acceleration(record, most)
-    share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
+    # one way the force may hardly change, and noise matters beside its size
+    both_ways = min(np.mean(v > 0.0), np.mean(v < 0.0)) > BACK
+    whole = float(np.std(force) if both_ways else np.sqrt(np.mean(force**2)))
+    share = COST * whole / costs if costs > 0.0 else 1.0
     band = most * min(share, 1.0) ** (2.0 / (5.0 if record.velocity is None else 3.0))
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
@@ -304,8 +310,6 @@ class Acting:
     order: int = 0
     """Order of the low pass that makes it late: what was recorded has passed it if the delay is
     below 0, what acts else. 0 if all frequencies are as late."""
-    limit: float = math.inf
-    """Force above which no more acts [N]."""
     clipped: bool = False
     """Whether more acts than recorded where the sensor shows as much as it can."""
 
@@ -363,9 +367,8 @@ class Piece:
         return 0.5 * self.sample * self.given.held
 
     def acted(self, acting: Acting) -> Array:
-        """Return the forces that act, but for their delay (n,) [N]: limited before means."""
-        limit, count = acting.limit, round(self.step / self.sample)
-        return means(np.clip(self.given.force, -limit, limit), count) + acting.clipped * self.hidden
+        """Return the forces that act, but for their delay (n,) [N]."""
+        return self.record.force + acting.clipped * self.hidden
 
     @cached_property
     def clipped(self) -> Array:
@@ -384,11 +387,6 @@ class Piece:
             if np.sum(equal[1:] & equal[:-1]) > FEWEST and side * end > 0.0:
                 result[equal] = side
         return means(result, round(self.step / self.sample))
-
-    def above(self, limit: float) -> Array:
-        """Return shares of the samples whose force is above a limit, with its sign (n,)."""
-        force = self.given.force
-        return means(np.sign(force) * (np.abs(force) > limit), round(self.step / self.sample))
 
     @property
     def _fewer(self) -> float:
@@ -417,6 +415,17 @@ class Piece:
         """Standard deviation of the noise of velocities, where they were measured [m/s]."""
         return self.given.velocity_noise * self._fewer
 
+    @property
+    def resolution(self) -> float:
+        """Speed below which an encoder steps too seldom for the filter to show it [m/s]; or 0."""
+        by_place = self.record.velocity is None
+        x = self.given.position if by_place else np.asarray(self.given.velocity)
+        step = step_of(x)
+        if step < COARSE * noise_of(x):  # noise beside the steps makes them finer
+            return 0.0
+        seen = min(SURE * self.wider * self.cutoff * self.sample, 1.0)
+        return seen * step / (self.sample if by_place else 1.0)
+
     @cached_property
     def widest(self) -> float:
         """Band of the velocity over that of the rows, up to which noise moves turns by little."""
@@ -437,14 +446,6 @@ class Piece:
     def velocity(self) -> Array:
         """Velocities (n,) [m/s]."""
         return velocity_of(self.record, self.filters[MIDDLE], self.wider)
-
-    @cached_property
-    def highest_frequency(self) -> float:
-        """Frequency up to which nearly all power of the changes of velocity lies [Hz]."""
-        changes = self.velocity - np.mean(self.velocity)
-        power = np.abs(np.fft.rfft(changes * np.hanning(len(changes)))) ** 2
-        share = np.cumsum(power) / (np.sum(power) + 1e-300)
-        return float(np.searchsorted(share, POWER)) / (len(changes) * self.step)
 
     @cached_property
     def acceleration(self) -> Array:
@@ -499,7 +500,14 @@ class Piece:
         else:
             limit = SURE * self.noise * 2.0 * math.pi * self.cutoff
             still = maximum_filter1d(np.abs(self.velocity), 2 * half + 1) < limit
-        return np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+        wide = np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+        return still if np.all(wide) and self.travels else wide
+
+    @property
+    def travels(self) -> bool:
+        """Whether it goes much farther than noise, and so does not rest throughout."""
+        noise = max(self.noise, self.given.position_noise)
+        return self.given.located and bool(np.ptp(self.record.position) > TRAVEL * noise)
 
     @property
     def start(self) -> float:
@@ -553,7 +561,7 @@ class Piece:
         result[:ends] = result[count - ends :] = False
         least = WAY_MEASURED if measured else WAY
         moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
-        if moved[-1] > 2.0 * least * np.ptp(q):  # else it never comes back
+        if moved[-1] > (1.0 + least) * np.ptp(q):  # else it never comes back
             result[:most] &= moved[:most] > least * np.ptp(q)
         return result
 
@@ -745,7 +753,7 @@ def pieces_of(
         every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
         record = averaged(entry, means) if means > 1 else entry
         pieces.append(Piece(record=record, given=entry, cutoff=cutoff, every=every))
-    if fitted and all(np.all(piece.still) for piece in pieces):
+    if fitted and all(np.all(piece.still) and not piece.travels for piece in pieces):
         raise InputError(RESTS)
     taken = max(1.0 / (PER * top), total / MOST_ROWS)
     return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)

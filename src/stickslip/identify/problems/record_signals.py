@@ -394,6 +394,27 @@ class Filter:
         return (self.count - 1) // self.every + 1
 
 
+def step_of(x: Array) -> float:
+    """Return the step of an encoder by which values (n,) differ; 0 if they have none.
+
+    Examples
+    --------
+    >>> step_of(np.round(np.sin(0.01 * np.arange(4000.0)), 3))
+    0.001
+    """
+    range_ = float(np.ptp(x))
+    if range_ == 0.0:
+        return 0.0
+    known = np.diff(np.unique(np.round(x / range_, 12))) * range_
+    known = known[known > 1e-11 * range_]
+    # files round the steps of an encoder, to 48 and 49 um as it may be: their mean is the step
+    least = float(np.mean(known[known < 1.5 * known.min()])) if known.size else 0.0
+    steps = known[known < 50.0 * least] / max(least, 1e-300)
+    many = len(steps) > 20 or 0 < FEWEST * len(known) < len(x)
+    even = many and float(np.mean(np.abs(steps - np.round(steps)) < 0.05)) > 0.95
+    return least if even else 0.0
+
+
 def noise_of(x: Array) -> float:
     """Return the standard deviation of white noise of values (n,), at least their rounding.
 
@@ -408,17 +429,11 @@ def noise_of(x: Array) -> float:
     range_ = float(np.ptp(x))
     if range_ == 0.0:
         return 1e-300
-    known = np.diff(np.unique(np.round(x / range_, 12))) * range_
-    known = known[known > 1e-11 * range_]
-    # files round the steps of an encoder, to 48 and 49 um as it may be: their mean is the step
-    least = float(np.mean(known[known < 1.5 * known.min()])) if known.size else 0.0
-    steps = known[known < 50.0 * least] / max(least, 1e-300)
-    even = len(steps) > 20 and float(np.mean(np.abs(steps - np.round(steps)) < 0.05)) > 0.95
     third = np.diff(x, 3)
     size = max(len(third) // STRETCHES, 8)
     parts = [third[i * size : (i + 1) * size].std() for i in range(max(len(third) // size, 1))]
     quiet = float(np.quantile(parts, 0.2)) / math.sqrt(20.0)
-    return max(least / math.sqrt(12.0) if even else 0.0, quiet, 1e-9 * range_)
+    return max(step_of(x) / math.sqrt(12.0), quiet, 1e-9 * range_)
 
 
 def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:

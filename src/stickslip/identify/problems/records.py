@@ -27,7 +27,6 @@ from stickslip.identify.laws import (
 )
 from stickslip.identify.own_laws import Slips, is_own, is_slope
 from stickslip.identify.posterior import (
-    COEFFICIENT,
     Array,
     Column,
     Draws,
@@ -36,10 +35,7 @@ from stickslip.identify.posterior import (
     family_of,
 )
 from stickslip.identify.problems.record_columns import (
-    BESIDE_MODE,
-    COSINES,
     FORCE,
-    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
@@ -61,10 +57,13 @@ from stickslip.identify.problems.record_curves import (
 from stickslip.identify.problems.record_model import SCALES, RecordModel, laws_of
 from stickslip.identify.problems.record_rows import MIDDLE, SHORT
 from stickslip.identify.problems.record_signals import Record
-from stickslip.identify.projection import TOLERANCE, Rung, Shaped
+from stickslip.identify.projection import LOADS, MARGIN, TOLERANCE, Rung, Shaped
 from stickslip.identify.vocabulary import (
+    DRY,
     FLOW_DIRECTIONS,
+    GEAR,
     PARTS,
+    STEP,
     Grid,
     flow_direction,
     parameters_of,
@@ -74,6 +73,8 @@ from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
+UNUSED = 0.5
+"""Speed over the slowest of the rows, below which a start that has no row is said to be unused."""
 DRAWN = 400
 """Rows that a figure shows."""
 FARTHER = 0.75
@@ -93,10 +94,7 @@ FINDINGS: Mapping[str, str] = {
     "drift": "drift over the record",
     "place": "level that changes with the place",
     "force": "force that changes with the place or in time",
-    "relaxing": "force that follows the past of the motion",
     "run": "differences between runs",
-    "zone": "dead zone of the drive",
-    "flexible": "mass on a spring",
 }
 """What may stand beside a law, as scales of the posterior."""
 GIVEN: Mapping[str, str] = {
@@ -108,8 +106,6 @@ GIVEN: Mapping[str, str] = {
 MISTAKEN = 1.0
 """Size of what is given wrong from which it is a mistake: its prior is that of the last two sizes,
 of five careful experimenters in hundred."""
-BENT = 0.3
-"""Part of a force by place that is not in proportion to it, up to which it is called a spring."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -138,8 +134,6 @@ class RecordProblem(Problem):
         Largest cutoff [Hz].
     timed : bool
         Whether it is known how forces run between samples.
-    force_recorded : bool
-        Whether forces were recorded, not those of a drive that the mechanism has.
     """
 
     records: Sequence[Record]
@@ -151,7 +145,6 @@ class RecordProblem(Problem):
     turning: bool = False
     highest: float = math.inf
     timed: bool = False
-    force_recorded: bool = True
 
     def __post_init__(self) -> None:
         known = None
@@ -170,7 +163,18 @@ class RecordProblem(Problem):
 
     def with_laws(self, own: Sequence[Structure], families: Sequence[Family]) -> "RecordProblem":
         result = copy.copy(self)
-        of_draws = ("changing", "beside", "_left", "_usual", "_middle", "_noisier")
+        of_draws = (
+            "changing",
+            "beside",
+            "_is_load_told",
+            "of_load",
+            "_places",
+            "grid",
+            "_left",
+            "_usual",
+            "_middle",
+            "_noisier",
+        )
         for name in ("families_of_structures", *of_draws):
             result.__dict__.pop(name, None)
         result.families, result.restricted = (*families, *map(family_of, own)), True
@@ -222,21 +226,21 @@ class RecordProblem(Problem):
         for name in changing:
             mean, size = frame.inputs[name]
             points = [{**point, name: mean + k * size} for point in points for k in (-1.0, 1.0)]
-        if self.adhesive:
+        if self._is_load_told:
             points = [{**point, LOAD: x} for point in points for x in self._loads]
         each = {name: np.repeat([x[name] for x in points], len(v)) for name in points[0]}
         return self.at(np.tile(v, len(points)), each.pop(LOAD, None), each)
 
     @cached_property
     def _loads(self) -> Array:
-        """Loads of a tenth and of nine tenths of the records (2,) [N]."""
+        """Loads from a tenth to nine tenths of the records (5,) [N]: two tell no power."""
         loads = [piece.record.load for piece in self.model.balance.pieces]
         every = np.concatenate([x for x in loads if x is not None])
-        return np.asarray(np.quantile(every, (0.1, 0.9)))
+        return np.asarray(np.quantile(every, np.linspace(0.1, 0.9, 5)))
 
     @cached_property
-    def adhesive(self) -> bool:
-        """Whether a part of the level is told that no load changes."""
+    def _is_load_told(self) -> bool:
+        """Whether levels are told not to be in proportion to the load."""
         if self.model.frame.load == 1.0 or self.families is not None:
             return False
         own = [
@@ -244,7 +248,31 @@ class RecordProblem(Problem):
             for draw in self._usual
         ]
         slope = np.concatenate(own) / self.size
-        return bool(np.quantile(slope, 0.975) < 0.0 and np.median(slope) < -TOLERANCE)
+        low, high = np.quantile(slope, (0.025, 0.975))
+        return bool(not low <= 0.0 <= high and abs(np.median(slope)) > TOLERANCE)
+
+    @cached_property
+    def of_load(self) -> float:
+        """Power of the load that levels follow; 0 where a part is one that no load changes.
+
+        The latter is taken where it clearly leaves less of the curves at several loads.
+        """
+        law = self.posterior.law_at(self.posterior.best) if self._is_load_told else ()
+        if not any(name in DRY for name, _ in law):
+            return 1.0
+        rows = self._places
+        size = np.mean(np.abs(y := np.mean(self.steady(rows, self._usual), axis=0))) * rows.ratio
+        powers = np.round(np.arange(LOADS[0], LOADS[1] + 0.5 * STEP, STEP), 6).tolist()
+        laws = {a: with_power(law, a) for a in powers}
+        if "level" in dict(law):
+            laws[0.0] = (*law, ("adhesion", ()))
+        left = dict[float, float]()
+        for power, item in laws.items():
+            x = self.design((*item, *[("offset", ())] * ("offset" in self.beside)), rows)
+            c = np.linalg.lstsq(x / size[:, None], y / size, rcond=None)[0]
+            left[power] = float(np.linalg.norm((y - x @ c) / size))
+        best = min((a for a in left if a), key=lambda a: left[a])
+        return 0.0 if left.get(0.0, math.inf) * MARGIN < left[best] else best
 
     def like(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records, which are another run."""
@@ -281,6 +309,9 @@ class RecordProblem(Problem):
     def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
         """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
         name, shape = column
+        if name in DRY and len(shape) > len(PARTS[name].shapes):
+            of_load = rows.ratio ** (shape[-1] - 1.0)
+            return [x * of_load for x in self.columns((name, shape[:-1]), rows)]
         side = np.sign(rows.velocity)
         state, speed = side * rows.ratio, np.abs(rows.velocity)
         if name == "offset":
@@ -350,8 +381,9 @@ class RecordProblem(Problem):
         if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
             more.append((flow_direction(shapes), shapes.get("power", ())))
         more += [(item, ()) for item in self.changing if item.partition("*")[0] in shapes]
-        more += [("adhesion", ())] * (self.adhesive and "level" in shapes)
-        return tuple(sorted([*structure, *more], key=lambda item: item[0]))
+        more += [("adhesion", ())] * (not self.of_load and "level" in shapes)
+        own = with_power(structure, self.of_load) if self.of_load % 1.0 else structure
+        return tuple(sorted([*own, *more], key=lambda item: item[0]))
 
     def _is_held(self, structure: Structure) -> bool:
         """Return whether a law that is no sum of parts holds a constant offset."""
@@ -382,7 +414,9 @@ class RecordProblem(Problem):
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
-            result.append(candidates_of(family, [*map(self._with_beside, structures)]))
+            own = candidates_of(family, [*map(self._with_beside, structures)])
+            more = bool(self.of_load % 1.0) and any(name in DRY for name in family)
+            result.append(replace(own, parameters=own.parameters + more))
         return result
 
     def title(self, term: str) -> str:
@@ -507,7 +541,10 @@ class RecordProblem(Problem):
                 rig[name] = own[:, 0]
             else:
                 flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
-                terms[name] = shape, own if flows else own / normal
+                entries = len(PARTS[name].shapes) if name in DRY else len(shape)
+                for power in shape[entries:]:
+                    rig["load_exponent"] = np.broadcast_to(np.ravel(power), count) * 1.0
+                terms[name] = shape[:entries], own if flows else own / normal
         if "adhesion" in rig:  # part of the level at the usual load
             shape, own = terms["level"]
             terms["level"] = shape, own + rig["adhesion"][:, None] / normal
@@ -696,7 +733,7 @@ class RecordProblem(Problem):
             if name in self.model.names and not (name == "force" and self._one_way)
         ]
         result += [self._delay(draws)] if "delay" in self.model.names else []
-        result += self._given(draws) + self._limit(draws) + self._clipped()
+        result += self._given(draws) + self._clipped()
         inputs = [*self.model.frame.inputs]
         result += [self._with_input(name, self._change_with(name, draws)) for name in inputs]
         for name in inputs if len(self.model.frame.sides) > 1 else ():
@@ -711,47 +748,40 @@ class RecordProblem(Problem):
         if "offset" in self.beside and self.offset and self.model.frame.load == 1.0:
             result.append(
                 "A constant offset cannot be distinguished from a level that differs by direction:"
-                " a record under another load would tell them, or what the sensor shows without a"
-                " force."
+                " a record under another load would separate the two, or the reading of the sensor"
+                " without a force."
             )
         if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
             result.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
-        if (
-            self.force_recorded
-            and not balance.measured
-            and self._spread_of_dead_zone() > NEGLIGIBLE
-        ):
-            result.append(
-                "A dead zone of the drive, a part of the force that is recorded and does not act,"
-                " cannot be distinguished from the level of friction, which is stated without one:"
-                " a record with added mass or larger accelerations would tell them."
-            )
+        if len(self.model.frame.sides) == 1 and not balance.measured:
+            result += self._unused()
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             alike, them = ("", "it") if len(names) == 1 else (" together", "them")
             result.append(
-                f"The {joined(names)}{alike} cannot be distinguished from viscous friction: what is"
-                f" stated of {them} has both, and no law with viscous friction is compared."
+                f"The {joined(names)}{alike} cannot be distinguished from viscous friction: the"
+                f" value of {them} holds both, and no law with viscous friction is compared."
             )
         return result
 
-    def _spread_of_dead_zone(self) -> float:
-        """Return the deviation of a dead zone of the drive over friction, were one sought.
-
-        It takes the force with its sign, beside the best law and all that is always there.
-        """
-        model, node = self.model, self.posterior.best
-        if "zone" not in model.names:
-            return math.inf if model.balance.driven else 0.0
-        groups, system = model.design(*model.key(node)).groups, model.system(node, model.columns)
-        zone, law = int(np.argmax(groups == "zone")), self.posterior.law_at(node)
-        at = [k for k in range(len(groups)) if k != zone]
-        at += [len(groups) + model.columns.index(item) for item in law]
-        sizes = np.append(system.deviations, np.full(len(model.columns), COEFFICIENT))[at]
-        moment = sizes * system.gram[at, zone]
-        gram = sizes[:, None] * system.gram[np.ix_(at, at)] * sizes + np.eye(len(at))
-        told = system.gram[zone, zone] - moment @ np.linalg.solve(gram, moment)
-        return 1.0 / math.sqrt(max(float(told), 1e-300)) / self.size
+    def _unused(self) -> list[str]:
+        """Return sentences on starts of records whose speeds no row has."""
+        balance, result = self.model.balance, list[str]()
+        rows, unit = balance.rows(MIDDLE), "rad/s" if self.turning else "m/s"
+        slowest = float(np.abs(rows.velocity).min())
+        for piece, pick in zip(balance.pieces, rows.picks, strict=True):
+            first = int(pick[0]) * piece.every if len(pick) else 0
+            start = np.abs(piece.velocity[:first])
+            if not np.any(start[~piece.still[:first]] < UNUSED * slowest):
+                continue
+            time = quantity(first * piece.step, "s", 2)
+            result.append(
+                f"The start of the motion, the first {time} up to"
+                f" {quantity(float(start[-1]), unit, 2)}, is not used: a filter of"
+                f" {quantity(piece.cutoff, 'Hz', 2)}, which the noise of the motion needs, does not"
+                " show it. A finer sensor, or a slower start, would."
+            )
+        return result[:1]
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little.
@@ -760,8 +790,7 @@ class RecordProblem(Problem):
         interval, what is out of it on one side counts twice.
         """
         model, rows = self.model, self.model.balance.rows(MIDDLE)
-        alike = {"force": ("spring",), "drift": ("place", "force") * self._one_way}.get(name, ())
-        of = [x for x in (name, *alike) if x in model.names]
+        of = (name, *(("place", "force") if name == "drift" and self._one_way else ()))
         nodes = zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True)
         likely = sum(w for node, w in nodes if any(model.at(node, x) >= NEGLIGIBLE for x in of))
         frame, waves = model.frame, model.balance.waves
@@ -771,15 +800,11 @@ class RecordProblem(Problem):
             "place": frame.places(rows.position, waves[1]),
             "force": model.balance.forces(rows.position),
         }
-        if name == "relaxing":
-            columns[name] = model.balance.fixed(MIDDLE)[name]
         changes, apart = [], []
         for draw in draws:
             b = model.split(draw.node, draw.random)[name]
             if name == "run":
                 changes.append(np.std(b.reshape(2, -1, b.shape[1])[0], axis=0, ddof=1))
-            elif name in ("zone", "flexible"):
-                changes.append(b[0] if name == "zone" else self._on_spring(draw)[0] * self.size)
             elif name == "drift":
                 apart.append(self._in_time(draw, b, columns))
                 changes.append(np.diff(apart[-1], axis=0)[0])
@@ -834,62 +859,12 @@ class RecordProblem(Problem):
         if name == "run":
             runs = self.model.balance.runs
             return f"The {runs} runs differ by {share_text(size)} of friction (standard deviation)."
-        if name == "relaxing":
-            return (
-                "A force beside friction follows the past of the motion, as that of a hose, a cable"
-                f" or another spring does, by {percent(size)} of it (standard deviation)."
-            )
-        if name == "zone":
-            part = quantity(size * self.size, unit, 2)
-            return (
-                f"Of the force that is recorded, {part} does not act, whichever way it pushes: a"
-                " dead zone of the drive, or friction before the sensor."
-            )
-        if name == "flexible":
-            drawn = np.hstack([self._on_spring(draw) for draw in draws])
-            frequency, mass = np.median([drawn[1], drawn[0] * drawn[2]], axis=1)
-            part = quantity(float(mass), "kg m^2" if self.turning else "kg", 2)
-            return (
-                "Part of the inertia is on a spring, as behind a belt or a shaft. The record agrees"
-                f" with {part} that swings with {quantity(float(frequency), 'Hz', 2)} where its"
-                " other end rests; more of it on a stiffer spring would move nearly so."
-            )
         what = {
-            "place": "The level of friction changes with the place",
-            "force": "A force beside friction changes with the place or in time",
+            "place": "The level of friction depends on position",
+            "force": "The recorded force contains a part that depends on position or time, such as"
+            " gravity or cogging",
         }[name]
-        spring = self._spring(draws) if name == "force" and self.model.balance.pulled else ""
-        return f"{what}, by {share_text(size)} of friction (standard deviation){spring}."
-
-    def _on_spring(self, draw: Draws) -> Array:
-        """Return what share of the inertia is on a spring, its frequency, and the inertia (3, k).
-
-        The frequency is linear in its coefficient, as its column is.
-        """
-        mode, b = self.model.balance.mode, self.model.split(draw.node, draw.random)
-        assert mode is not None
-        inertia = b["inertia"][0] if "inertia" in b else np.full(draw.random.shape[1], mode.inertia)
-        mass, shift = b["flexible"][:2]
-        shift = 10.0 * BESIDE_MODE[0, 0] * shift / np.where(mass == 0.0, np.inf, mass)
-        share = np.minimum(mass * mode.inertia / np.maximum(np.abs(inertia), 1e-300), 1.0)
-        return np.stack([share, mode.frequency * np.maximum(1.0 + shift, 0.0), inertia])
-
-    def _spring(self, draws: Sequence[Draws]) -> str:
-        """Return what to add of a force beside friction that is nearly that of a spring."""
-        balance, rows = self.model.balance, self.model.balance.rows(MIDDLE)
-        position = rows.position - np.mean(rows.position)
-        columns = balance.forces(rows.position)
-        parts = [columns @ self.model.split(x.node, x.random)["force"] for x in draws]
-        force = np.hstack([x - np.mean(x, axis=0) for x in parts])
-        waves = columns[:, COSINES : COSINES + 2 * len(balance.waves[0])]  # cogging is no spring
-        beside = np.column_stack([position, waves - np.mean(waves, axis=0)])
-        stiffness = np.linalg.lstsq(beside, force, rcond=None)[0][0]
-        bent = np.sum((force - np.outer(position, stiffness)) ** 2, axis=0)
-        if float(np.median(bent / np.sum(force**2, axis=0))) > BENT**2:
-            return ""
-        unit = "N m/rad" if self.turning else "N/m"
-        k, low, high = (quantity(x, "", 3) for x in np.quantile(stiffness, (0.5, 0.025, 0.975)))
-        return f", as that of a spring of {k} {unit} ({low} to {high}) does"
+        return f"{what} ({share_text(size)} of friction, standard deviation)."
 
     def _change_with(self, name: str, draws: Sequence[Draws]) -> Array:
         """Return the change of friction over two deviations of an input, over its size (k,)."""
@@ -913,7 +888,7 @@ class RecordProblem(Problem):
         how = f"Friction {'falls' if middle < 0.0 else 'rises'} by {percent(abs(middle))}"
         if pushes:
             term, title = f"{FORCE}*{name}", f"force beside friction that changes with the {name}"
-            how = f"A force beside friction changes by {percent(abs(middle))} of friction"
+            how = f"A force other than friction changes by {percent(abs(middle))} of friction"
         how = f"{how} where the {name} goes from {first} to {last}."
         likely = max(np.mean(k * change > 0.0) for k in (-1, 1)) * (abs(middle) >= NEGLIGIBLE)
         return stated(term, title, float(likely), change, how)
@@ -949,21 +924,6 @@ class RecordProblem(Problem):
             what += ", or the gain of the force or a unit of length is wrong."
             result.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
         return result
-
-    def _limit(self, draws: Sequence[Draws]) -> list[Finding]:
-        """Return from which force on no more of what was recorded acts, if there is one."""
-        model, unit = self.model, "N m" if self.turning else "N"
-        split = [(model.acting(x.node).limit, model.split(x.node, x.random)) for x in draws]
-        limited = [limit - own["limit"][0] for limit, own in split if math.isfinite(limit)]
-        if not limited:
-            return []
-        limits = np.concatenate(limited)
-        shares = self.posterior.scale("acting")[np.isfinite([x.limit for x in model.actings])]
-        likely = min(float(shares.sum()), 1.0)
-        low, at, high = (quantity(x, "", 3) for x in np.quantile(limits, (0.025, 0.5, 0.975)))
-        what = f"Of a recorded force no more than {at} {unit} ({low} to {high}) acts"
-        what = f"{what}: the drive saturates."
-        return [stated("limit", "saturation of the drive", likely, limits / self.size, what)]
 
     def _clipped(self) -> list[Finding]:
         """Return how often the sensor of the force shows as much as it can, if more acts then."""
@@ -1003,6 +963,17 @@ class RecordProblem(Problem):
             f" {'later' if middle > 0.0 else 'earlier'} than recorded: a channel that is late,"
             " a low pass, backlash, a flexible part and a sensor that clips look alike.",
         )  # fmt: skip
+
+
+def with_power(structure: Structure, power: float) -> Structure:
+    """Return a law whose dry parts follow a power of the load.
+
+    Examples
+    --------
+    >>> with_power((("level", ()), ("viscous", ())), 0.7)
+    (('level', (0.7,)), ('viscous', ()))
+    """
+    return tuple((name, (*s, power)) if name in DRY else (name, s) for name, s in structure)
 
 
 def candidates_of(family: Family, structures: Sequence[Structure]) -> Candidates:

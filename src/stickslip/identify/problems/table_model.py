@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from stickslip.identify.fits import last_digit
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.own_laws import Slips, is_slope, slope_column
 from stickslip.identify.posterior import (
     COEFFICIENT,
@@ -48,6 +49,7 @@ from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
     DRY,
     FAMILIES,
+    GEAR,
     PARTS,
     PLACE,
     SIGNED,
@@ -133,6 +135,8 @@ TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
 """Nodes that are visited in the first turn, and in others."""
+DIGITS = 9
+"""Digits of a reading: equal settings may differ beyond them by the conversion of a unit."""
 KEPT = 80
 """Structures that are refined, and that are kept (with 40, up to 8 % of the weight was cut off at
 the ends of intervals)."""
@@ -217,6 +221,19 @@ class Rows(Slips):
         )
 
 
+def as_read(values: Array) -> Array:
+    """Return values (n,) with the digits that a reading may have: what is further is rounding.
+
+    Readings are counted, grouped and taken for copies where they are equal.
+
+    Examples
+    --------
+    >>> as_read(np.array([0.1 + 0.2, -1.0 / 3.0, 0.0])).tolist()
+    [0.3, -0.333333333, 0.0]
+    """
+    return np.array([float(f"{x:.{DIGITS}g}") for x in values])
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Readings:
     """What was read: single readings, or means of cells."""
@@ -245,9 +262,13 @@ class Readings:
         others are copies, unless readings are so coarse that noise is lost in rounding.
         """
         n = len(friction)
+        inputs = {name: as_read(x) for name, x in rows.inputs.items()}
+        rows = replace(
+            rows, velocity=as_read(rows.velocity), load=as_read(rows.load), inputs=inputs
+        )
         single = cls(
             rows=rows,
-            friction=np.asarray(friction, dtype=float),
+            friction=as_read(friction),
             stated=np.zeros(n) if stated is None else np.asarray(stated, dtype=float),
             count=np.ones(n),
             within=np.zeros(n),
@@ -430,6 +451,8 @@ def is_both_ways(rows: Rows) -> bool:
 def families_at(rows: Rows) -> list[Family]:
     """Return the families of the vocabulary that speeds can tell: at one it is a level.
 
+    Where a gear transmits what differs, each level may grow with it.
+
     Examples
     --------
     >>> v, ones = np.full(4, 0.1), np.ones(4)
@@ -438,9 +461,12 @@ def families_at(rows: Rows) -> list[Family]:
     [(), ('level',)]
     """
     speeds, every = speeds_of(rows), [tuple(item.split()) for item in FAMILIES]
-    if speeds >= FEW_SPEEDS:
+    if speeds < FEW_SPEEDS:
+        one = speeds == 1
+        every = [x for x in every if parameters_of(x) <= speeds - (one and x != ("level",))]
+    if TRANSMITTED not in rows.inputs:
         return every
-    return [x for x in every if parameters_of(x) <= speeds - (speeds == 1 and x != ("level",))]
+    return every + [tuple(sorted((GEAR, *x))) for x in every if "level" in x]
 
 
 def speeds_of(rows: Rows) -> int:
@@ -463,6 +489,8 @@ def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
         return np.asarray(rows.direction * ratio * surplus)
     if name == "adhesion":
         return rows.direction
+    if name == GEAR:
+        return np.asarray(rows.direction * rows.inputs[TRANSMITTED])
     if is_break(name):
         return break_column(name, middle_of(name, shape), rows, frame)
     part = PARTS[name]
@@ -548,15 +576,15 @@ def _loaded(
     plain = tuple(sorted(zip(family, shapes, strict=True)))
     if not frame.loaded:
         return [(plain, 1.0)]
-    dry = any(PARTS[name].dry for name in family)
-    flow = any(not PARTS[name].dry for name in family)
+    dry = any(name in DRY for name in family)
+    flow = any(name not in DRY and name != GEAR for name in family)
     result = []
     for power, prior in LOAD_POWERS.items():
         if dry or power == 1.0:
-            own = tuple((n, (*s, power)) if PARTS[n].dry else (n, s) for n, s in plain)
+            own = tuple((n, (*s, power)) if n in DRY else (n, s) for n, s in plain)
             result.append((own, RULES["own"] * prior))
         if flow or not dry:
-            every = tuple((n, (*s, power)) for n, s in plain)
+            every = tuple((n, s if n == GEAR else (*s, power)) for n, s in plain)
             result.append((every, RULES["all"] * prior))
     if "stribeck" in family:
         hersey = tuple(sorted(("hersey", s) if n == "stribeck" else (n, s) for n, s in plain))

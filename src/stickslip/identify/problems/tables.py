@@ -24,7 +24,7 @@ from stickslip.identify.fits import (
     refuse_load,
     uncertainties_of,
 )
-from stickslip.identify.forces import load_slopes
+from stickslip.identify.forces import TRANSMITTED, load_slopes
 from stickslip.identify.judgement import DRAWS, ONE_WAY, Candidates, Finding, Problem, stated
 from stickslip.identify.laws import FLOWS, POINTS, Composition, compose, own_composition
 from stickslip.identify.own_laws import (
@@ -84,6 +84,7 @@ from stickslip.identify.projection import Rung, Shaped, names_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.vocabulary import (
     FLOW_DIRECTIONS,
+    GEAR,
     PARTS,
     Grid,
     flow_direction,
@@ -289,7 +290,9 @@ class TableProblem(Problem):
         return Rows(
             velocity=v,
             load=ones * (frame.load if load is None else load),
-            inputs={name: ones * given.get(name, mean) for name, mean in frame.means.items()},
+            inputs=sized(
+                {name: ones * given.get(name, mean) for name, mean in frame.means.items()}
+            ),
             run=np.full(len(v), -1),
             order=np.full(len(v), np.nan),
         )
@@ -379,15 +382,6 @@ class TableProblem(Problem):
 
     # ---- laws -------------------------------------------------------------------------------
 
-    def tied(self, structure: Shaped) -> Shaped:
-        """Return a structure whose shapes agree: one power of the load for all that follow it."""
-        own = super().tied(structure)
-        powers = [s[-1] for n, s in own if n in PARTS and len(s) > len(PARTS[n].shapes)]
-        return [
-            (n, (*s[:-1], powers[0]) if n in PARTS and len(s) > len(PARTS[n].shapes) else s)
-            for n, s in own
-        ]
-
     def columns(self, column: tuple[str, Any], rows: Rows) -> list[Array]:
         """Return the columns of a term: parts of laws, and what differs."""
         name, shape = column
@@ -454,7 +448,8 @@ class TableProblem(Problem):
             for name, shape in structure
             if name in PARTS
         )
-        return parameters_of(names) + ("adhesion" in names) + int(powers) + own
+        own += sum(name in ("adhesion", GEAR) for name in names)
+        return parameters_of(names) + int(powers) + own
 
     def _besides(self, family: Family) -> list[tuple[str, ...]]:
         """Return what may stand beside the parts of a law: directions, effects of inputs."""
@@ -479,6 +474,7 @@ class TableProblem(Problem):
                 if {*parts} <= {*family}
             ]
             for name in frame.means
+            if name != TRANSMITTED
         ]
         every = itertools.product(sides, *by_input)
         return [tuple(itertools.chain(*item)) for item in every]
@@ -571,6 +567,9 @@ class TableProblem(Problem):
                     names = names | {"level_direction" if frame.loaded else "offset"}
         for name, own in zip(frame.means, node[len(SCALES) :], strict=True):
             parts = (("level", own % 2), ("viscous", own // 2))
+            if name == TRANSMITTED:
+                names |= {GEAR} if own % 2 and "level" in names else set()
+                continue
             names |= {f"{part}*{name}" for part, used in parts if used and part in names}
         return tuple(sorted(names))
 
@@ -983,7 +982,20 @@ def known_terms(table: Readings) -> list[str]:
     if frame.both:
         level = "level_direction" if frame.loaded else "offset"
         result += [level, "viscous_direction", "stribeck_sides"]
-    return result + [f"{part}*{name}" for name in frame.means for part in ("level", "viscous")]
+    inputs = [name for name in frame.means if name != TRANSMITTED]
+    result += [GEAR] * (TRANSMITTED in frame.means)
+    return result + [f"{part}*{name}" for name in inputs for part in ("level", "viscous")]
+
+
+def sized(inputs: Mapping[str, Array]) -> dict[str, Array]:
+    """Return inputs (n,), of what a gear transmits the size: it loads the gear both ways.
+
+    Examples
+    --------
+    >>> sized({"transmitted": np.array([-2.0]), "pressure": np.array([-1.0])})
+    {'transmitted': array([2.]), 'pressure': array([-1.])}
+    """
+    return {name: np.abs(x) if name == TRANSMITTED else x for name, x in inputs.items()}
 
 
 def parts_of(family: Family) -> Family:
@@ -995,7 +1007,7 @@ def parts_of(family: Family) -> Family:
     ('level', 'stribeck', 'viscous')
     """
     names = ("stribeck" if name in ("hersey", "stribeck_sides") else name for name in family)
-    return tuple(sorted({name for name in names if name in PARTS}))
+    return tuple(sorted({name for name in names if name in PARTS or name == GEAR}))
 
 
 def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
@@ -1067,7 +1079,7 @@ def _table(mechanism: Mechanism, record: Measurement) -> tuple[Rows, Array]:
     rows = Rows(
         velocity=velocity,
         load=load,
-        inputs=inputs,
+        inputs=sized(inputs),
         run=np.zeros(len(number), dtype=np.intp),
         order=number,
     )

@@ -4,7 +4,6 @@ from stickslip.show.plots.animations import animation_html as animation_html
 from stickslip.show.plots.animations import draw_scene as draw_scene
 from stickslip.show.plots.animations import frame_rate as frame_rate
 from stickslip.show.plots.animations import frame_times as frame_times
-from stickslip.show.plots.animations import picture_of as picture_of
 from stickslip.show.plots.axes import Sizes as Sizes
 from stickslip.show.plots.axes import horizon as horizon
 from stickslip.show.plots.axes import on_axes as on_axes
@@ -23,13 +22,10 @@ from stickslip.show.plots.fits import plot_scores as plot_scores
 from stickslip.show.plots.fits import plot_verdict as plot_verdict
 from stickslip.show.plots.laws import MAP_SIZES as MAP_SIZES
 from stickslip.show.plots.laws import characteristic_sizes as characteristic_sizes
-from stickslip.show.plots.laws import draw_characteristic as draw_characteristic
 from stickslip.show.plots.laws import draw_characteristics as draw_characteristics
 from stickslip.show.plots.laws import draw_friction_map as draw_friction_map
 from stickslip.show.plots.laws import draw_presliding as draw_presliding
 from stickslip.show.plots.laws import draw_stribeck as draw_stribeck
-from stickslip.show.plots.laws import plot_characteristic as plot_characteristic
-from stickslip.show.plots.laws import plot_characterization as plot_characterization
 from stickslip.show.plots.laws import plot_law as plot_law
 from stickslip.show.plots.laws import plot_presliding as plot_presliding
 from stickslip.show.plots.laws import presliding_sizes as presliding_sizes
@@ -127,7 +123,6 @@ __all__ = [
     "animate",
     "animation_html",
     "draw_basins",
-    "draw_characteristic",
     "draw_characteristics",
     "draw_closed_loop",
     "draw_cycles",
@@ -157,8 +152,6 @@ __all__ = [
     "overview_size",
     "plot",
     "plot_band",
-    "plot_characteristic",
-    "plot_characterization",
     "plot_closed_loop",
     "plot_ensemble",
     "plot_fit",

@@ -745,17 +745,6 @@ def draw_scene(
     return draw
 
 
-def picture_of(run: Trajectory, mechanism: Drawn, t: float, *, size: Size) -> Pixels:
-    """Return what `draw_scene` draws as a picture (height, width, 3) in RGB."""
-    theme.check_scene(run, mechanism)
-    with theme.house_style():
-        stage = _stage(run, mechanism, np.array([t]), size=size, dpi=72.0, scene=None)
-        stage.show(moments_of(run, mechanism, np.array([t]))[0])
-        canvas: Any = FigureCanvasAgg(stage.figure)  # half of it has no types
-        canvas.draw()
-        return np.array(canvas.buffer_rgba())[:, :, :3]
-
-
 def animate(
     run: Trajectory,
     mechanism: Drawn,

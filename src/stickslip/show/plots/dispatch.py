@@ -22,8 +22,7 @@ from stickslip.show.plots.runs import plot_closed_loop, plot_run
 from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_optimum, plot_validation
 from stickslip.show.plots.svg import standalone_svg
 from stickslip.show.plots.sweep_maps import plot_sweep, plot_velocity_band
-from stickslip.study import sweep
-from stickslip.study.characterization import Characteristic, Characterization, PreslidingLoop
+from stickslip.study import PreslidingLoop, sweep
 from stickslip.study.control import ClosedLoop
 from stickslip.study.optimisation import Optimum
 
@@ -38,8 +37,6 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         TrialComparison: plot_trials,
         Verdict: plot_verdict,
         PreslidingLoop: laws.plot_presliding,
-        Characteristic: laws.plot_characteristic,
-        Characterization: laws.plot_characterization,
         FrictionLaw: laws.plot_law,
         sweep.VelocityMap: plot_sweep,
         sweep.VelocityBand: plot_velocity_band,

@@ -1,12 +1,13 @@
-"""Figures of laws: curves, tests of the battery, and measured friction with fitted laws."""
+"""Figures of laws: curves, presliding loops, and measured friction with fitted laws."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final, NamedTuple, TypeAlias
+from collections.abc import Mapping
+from typing import Final, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip import study
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Stribeck
 from stickslip.quantities import Quantity
@@ -16,228 +17,15 @@ from stickslip.show.plots.axes import (
     Array,
     Curve,
     LineStyle,
-    Panels,
-    PanelTarget,
     Sizes,
     Target,
     label_curves,
     looks,
     on_axes,
-    on_panels,
     panel_grid,
     wrapped,
 )
 from stickslip.show.plots.svg import Draw
-from stickslip.study import characterization
-
-# Figures of the battery: a test of one law, or of several in one panel.
-
-Drawn: TypeAlias = Mapping[str, Any]
-"""Results of one test by law."""
-SIZE: Final = (880, 320)
-PANEL: Final = (440, 260)
-"""Size of a panel of a page with all tests [CSS px]."""
-LONG_NAME: Final = 36
-"""Letters of a name from which on names stand below each other."""
-LEGEND: Final = 2
-"""Curves from which on a legend names them."""
-
-
-def draw_characteristic(results: Mapping[str, characterization.Characteristic]) -> Draw:
-    """Return a drawing of one test of several laws."""
-
-    def draw(figure: Figure, narrow: bool) -> None:
-        axes = figure.add_subplot()
-        _panel(axes, results)
-        _name(figure, [axes], narrow)
-
-    return draw
-
-
-def _panel(axes: Axes, results: Mapping[str, characterization.Characteristic]) -> None:
-    PANELS[type(next(iter(results.values())))](axes, results, looks(results))
-
-
-def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
-    """Name the curves of all panels once, where there are several."""
-    result = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
-    handles, labels = max(result, key=lambda legend: len(legend[1]), default=([], []))
-    if len(labels) < LEGEND:
-        return
-    if figure.get_layout_engine() is None:  # of a user: nothing makes room beside the panels
-        panels[0].legend(handles, labels, fontsize="small")
-        return
-    columns = 1 if narrow or max(map(len, labels)) > LONG_NAME else min(len(labels), 3)
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize="small")
-
-
-def _line(axes: Axes, x: Any, y: Any, look: LineStyle, label: str = "", **more: Any) -> None:
-    style = {"color": look.colour, "linestyle": look.dashes, "linewidth": 0.7 * look.width}
-    axes.plot(x, y, label=label or "_", zorder=look.order, **{**style, **more})
-
-
-def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(result.velocity.max() for result in results.values())], "m/s")
-    for title, result in results.items():
-        half = len(result.velocity) // 2 if max(result.break_away) > 0.0 else None
-        for part in (slice(None, half), slice(half, None)) if half else (slice(None),):
-            name = title if part.start is None else ""
-            _line(axes, factor * result.velocity[part], result.force[part], style[title], name)
-        if max(result.break_away) > 0.0:
-            _line(axes, [0, 0], [-result.break_away[0], result.break_away[1]], style[title])
-    slow = factor * 10.0 * min(np.abs(result.velocity).min() for result in results.values())
-    fast = factor * max(result.velocity.max() for result in results.values())
-    decades = 10.0 ** np.arange(np.floor(np.log10(fast) + 0.01), np.log10(slow) + 0.5, -2)[::-1]
-    axes.set_xscale("asinh", linear_width=slow)  # logarithmic on both sides, without a corner
-    ticks = [*-decades[::-1], 0.0, *decades]
-    axes.set_xticks(ticks, [number(tick) for tick in ticks])
-    axes.set_xticks([], minor=True)
-    axes.axhline(0, color=theme.MUTED, linewidth=0.6, zorder=0)
-    axes.set_xlabel(f"velocity, {unit} (logarithmic)")
-    axes.set_ylabel("friction, N")
-
-
-def _presliding_test(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(result.displacement.max() for result in results.values())], "m")
-    for title, result in results.items():
-        _line(axes, factor * result.displacement, result.force, style[title], title)
-    axes.set_xlabel(f"displacement, {unit}")
-    axes.set_ylabel("friction, N")
-
-
-def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    for title, result in results.items():
-        _line(axes, result.rate, result.force, style[title], title, marker="o", markersize=4)
-    axes.set_xscale("log")
-    _none_if_empty(axes)
-    axes.set_xlabel("rate of the force, N/s")
-    axes.set_ylabel("break-away, N")
-
-
-def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    reach = [float(np.abs(result.position).max()) for result in results.values()]
-    factor, unit = scale_of([max(*reach, 1e-12)], "m")
-    for title, result in results.items():
-        _line(axes, result.t, factor * result.position, style[title], title)
-    axes.set_xlabel("time, s")
-    axes.set_ylabel(f"position, {unit}")
-
-
-def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    names = [*results]
-    energies = [result.worst for result in results.values()]
-    factor, unit = _energy_scale(energies)
-    colours = [style[name].colour for name in names]
-    axes.barh(range(len(names)), [factor * item for item in energies], color=colours, height=0.5)
-    for place, name in enumerate(names if len(names) > 1 else []):
-        theme.label_at(axes, 0.0, place - 0.32, name, theme.INK, offset=(-6, 3), align="right")
-    axes.set_yticks([])
-    axes.set_ylim(len(names), -1)
-    axes.axvline(0, color=theme.MUTED, linewidth=0.8)
-    axes.set_xlabel(f"least energy that friction takes in a cycle, {unit}")
-
-
-def _energy_scale(energies: list[float]) -> tuple[float, str]:
-    largest = max(map(abs, energies))
-    for factor, unit in ((1.0, "J"), (1e3, "mJ")):
-        if largest * factor >= 1.0 or largest == 0.0:
-            return factor, unit
-    return 1e6, "µJ"
-
-
-def _none_if_empty(axes: Axes) -> None:
-    lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
-    if not any(np.isfinite(line).any() for line in lines):
-        axes.set(xscale="linear", yscale="linear")
-        text = "no peak at break-away"
-        axes.text(0.5, 0.5, text, transform=axes.transAxes, color=theme.MUTED, ha="center")
-
-
-PANELS: Final[Mapping[type, Callable[[Axes, Drawn, Mapping[str, LineStyle]], None]]] = {
-    characterization.SteadyCurve: _steady,
-    characterization.Presliding: _presliding_test,
-    characterization.BreakAway: _break_away,
-    characterization.Drift: _motion,
-    characterization.Passivity: _passivity,
-}
-
-
-def plot_characteristic(result: characterization.Characteristic, ax: Target = None) -> Axes:
-    """Plot a test of the battery.
-
-    Parameters
-    ----------
-    result : Characteristic
-        What a test gave.
-    ax : Axes, Figure or SubFigure, optional
-        Where; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The panel.
-
-    Raises
-    ------
-    InputError
-        If `result` is none.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, characterize
-    >>> found = characterize(Coulomb(kinetic_coefficient=0.25), tests=["steady"])
-    >>> plot_characteristic(found.steady, Figure().add_subplot()).get_ylabel()
-    'friction, N'
-    """
-    theme.check_type("result", result, characterization.Characteristic)
-    return on_axes(draw_characteristic({result.title: result}), ax, SIZE)
-
-
-def plot_characterization(
-    result: characterization.Characterization, ax: PanelTarget = None
-) -> Panels:
-    """Plot all tests of a law that were made, and those of the others beside it.
-
-    Parameters
-    ----------
-    result : Characterization
-        What the battery gave.
-    ax : Axes, sequence of Axes, Figure or SubFigure, optional
-        Where; a panel for each test. A new figure if not given.
-
-    Returns
-    -------
-    array of Axes (n,)
-        The panels.
-
-    Raises
-    ------
-    InputError
-        If `result` is none, or no test could be made.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, characterize
-    >>> found = characterize(Coulomb(kinetic_coefficient=0.25), tests=["steady", "drift"])
-    >>> len(plot_characterization(found, Figure()))
-    2
-    """
-    theme.check_type("result", result, characterization.Characterization)
-    by_test = result.by_test
-    if not by_test:
-        raise InputError(f"no test of {result.title} could be made, so there is nothing to plot.")
-    rows = -(-len(by_test) // 2)
-
-    def draw(figure: Figure, narrow: bool) -> None:
-        panels = panel_grid(figure, len(by_test), 1 if narrow else 2)
-        for axes, results in zip(panels, by_test.values(), strict=True):
-            _panel(axes, results)
-            axes.set_title(next(iter(results.values())).title)
-        if len(result.all) > 1:
-            _name(figure, panels, narrow)
-
-    return on_panels(draw, ax, (2 * PANEL[0], rows * PANEL[1]))
-
 
 # Figures of laws alone: friction against velocity, and against displacement before slip.
 
@@ -396,17 +184,13 @@ def draw_presliding(
     return draw
 
 
-def _loop(
-    law: FrictionLaw, load: float, amplitude: float | None
-) -> characterization.PreslidingLoop:
-    return characterization.presliding_loop(
-        law, amplitude or LENGTHS * characterization.presliding_length(law, load), load
+def _loop(law: FrictionLaw, load: float, amplitude: float | None) -> study.PreslidingLoop:
+    return study.presliding_loop(
+        law, amplitude or LENGTHS * study.presliding_length(law, load), load
     )
 
 
-def _presliding_curve(
-    axes: Axes, loop: characterization.PreslidingLoop, level: float | None
-) -> None:
+def _presliding_curve(axes: Axes, loop: study.PreslidingLoop, level: float | None) -> None:
     """Draw a loop, and the break-away level where it is known."""
     factor, unit = scale_of(loop.displacement, "m")
     axes.plot(factor * loop.displacement, loop.friction, color=theme.C1, linewidth=1.6)
@@ -488,7 +272,7 @@ def plot_law(law: FrictionLaw, ax: Target = None, *, load: float = 1.0, speed: f
 
 
 def plot_presliding(
-    loop: characterization.PreslidingLoop | FrictionLaw,
+    loop: study.PreslidingLoop | FrictionLaw,
     ax: Target = None,
     *,
     load: float = 1.0,
@@ -524,7 +308,7 @@ def plot_presliding(
     >>> plot_presliding(law, Figure().add_subplot(), load=10.0).get_xlabel()
     'displacement, mm'
     """
-    theme.check_type("loop", loop, characterization.PreslidingLoop, FrictionLaw)
+    theme.check_type("loop", loop, study.PreslidingLoop, FrictionLaw)
     title, level = "", None
     if isinstance(loop, FrictionLaw):
         if not loop.states:

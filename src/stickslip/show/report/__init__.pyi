@@ -38,7 +38,6 @@ from stickslip.show.report.markup import symbol_text as symbol_text
 from stickslip.show.report.runs import RunReport as RunReport
 from stickslip.show.report.runs import run_page as run_page
 from stickslip.show.report.runs import run_sections as run_sections
-from stickslip.show.report.shared_sections import characterization_page as characterization_page
 from stickslip.show.report.shared_sections import figure as figure
 from stickslip.show.report.shared_sections import opening as opening
 from stickslip.show.report.shared_sections import record_and_checks as record_and_checks

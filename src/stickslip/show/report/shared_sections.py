@@ -10,22 +10,18 @@ from stickslip.data import Checks, grouped
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import CITATIONS, FrictionLaw, RateState
 from stickslip.identify import Wording
-from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
     fixed,
     in_words,
     joined,
-    number,
     quantity,
     residue,
     scale_of,
     significant,
     with_unit,
 )
-from stickslip.show.plots import draw_characteristic, inline_svg
+from stickslip.show.plots import inline_svg
 from stickslip.show.report import blocks as page
-from stickslip.show.report.tables import table_of
-from stickslip.study.characterization import Characteristic, Characterization
 
 CERTIFICATE: Final = "Certificate of the computation"
 
@@ -59,7 +55,7 @@ MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn",
 
 
 def check_items(checks: Checks) -> tuple[page.KeyValue, ...]:
-    """Return a line for each finding of the checks of a record, warnings and errors marked.
+    """Return a line for each finding of the checks, warnings and errors marked; each kind once.
 
     Examples
     --------
@@ -67,14 +63,13 @@ def check_items(checks: Checks) -> tuple[page.KeyValue, ...]:
     >>> [one.mark for one in check_items(check(Measurement(travel=0.2, uncertainty=0.005)))]
     ['warn']
     """
-    return tuple(
-        page.KeyValue(
-            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
-            value=str(finding),
-            mark=MARKS.get(finding.severity, "none"),
-        )
-        for finding in grouped(checks.findings)
-    )
+    result, last, kinds = [], "", [finding.kind for finding in checks.findings]
+    for finding in sorted(grouped(checks.findings), key=lambda item: kinds.index(item.kind)):
+        kind = finding.kind.replace("-", " ").replace("_", " ").capitalize()
+        mark = MARKS.get(finding.severity, "none")
+        result.append(page.KeyValue(key=kind * (kind != last), value=str(finding), mark=mark))
+        last = kind
+    return tuple(result)
 
 
 def opening(
@@ -246,92 +241,3 @@ def law_references(
         for key, who in used.items()
         if key in CITATIONS
     )
-
-
-# The battery of one law, or of several side by side, as a page.
-
-MANY = 4
-"""Laws from which on the title does not name all."""
-
-
-def characterization_page(
-    found: Characterization, *, commands: Sequence[str] = (), versions: Mapping[str, str]
-) -> page.Page:
-    """Return the page of a battery.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, characterize
-    >>> found = characterize(Coulomb(kinetic_coefficient=0.25), tests=["steady"])
-    >>> page = characterization_page(found, versions={})
-    >>> [section.id for section in page.sections]
-    ['overview', 'laws', 'steady', 'reproduce']
-    """
-    titles = [law.title for law in found.all]
-    tests = [_test(name, results, found) for name, results in found.by_test.items()]
-    runs = page.KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified")
-    origin = page.Origin(title="", data="", commands=tuple(commands), versions=versions)
-    end = reproduce(origin, items=[runs], laws=[law.law for law in found.all])
-    return page.Page(
-        title=joined(titles) if len(titles) < MANY else f"{titles[0]} and {len(titles) - 1} more",
-        subject=f"normal force {quantity(found.load, 'N')}",
-        kicker="friction laws on the test bench",
-        sections=(_overview(found), _laws(found), *tests, end),
-        footer=page.colophon(versions),
-    )
-
-
-def _overview(found: Characterization) -> page.Section:
-    """Return what each test says, for all laws."""
-    blocks: list[page.Block] = []
-    names = {name: next(iter(results.values())).title for name, results in found.by_test.items()}
-    for name in dict.fromkeys(name for result in found.all for name in result.failed):
-        names.setdefault(name, name.capitalize())
-    for law in found.all:
-        if found.others:
-            blocks.append(page.Subheading(text=law.title))
-        rows = [(title, law.told(name)) for name, title in names.items()]
-        blocks.append(table_of(["test", "result"], rows))
-    heading = "What the law does" if not found.others else "What the laws do"
-    return page.Section(id="overview", nav="Overview", heading=heading, blocks=tuple(blocks))
-
-
-def _laws(found: Characterization) -> page.Section:
-    """Return formulas and parameters."""
-    blocks: list[page.Block] = []
-    for law in found.all:
-        blocks.append(page.Subheading(text=law.title))
-        blocks.append(page.Math(latex=law.law.formula))
-        rows = [
-            (
-                f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$",
-                number(getattr(law.law, name), 6),
-                "none" if quantity.unit == "1" else quantity.unit,
-            )
-            for name, quantity in fields_of(type(law.law)).items()
-            if getattr(law.law, name) is not None
-        ]
-        if rows:
-            blocks.append(table_of(["parameter", "value", "unit"], rows))
-        if law.matched:
-            blocks.append(page.Caption(text=law.matched))
-    heading = "The law" if not found.others else "The laws"
-    return page.Section(id="laws", nav=heading, heading=heading, blocks=tuple(blocks))
-
-
-def _test(
-    name: str, results: Mapping[str, Characteristic], found: Characterization
-) -> page.Section:
-    """Return the section of a test: what it says, its figure, its conditions."""
-    first = next(iter(results.values()))
-    blocks: list[page.Block] = []
-    if len(found.all) == 1:
-        blocks.append(page.Paragraph(text=first.sentence))
-    else:
-        rows = [(title, result.sentence) for title, result in results.items()]
-        blocks.append(table_of(["law", "result"], rows))
-    alt, caption = f"{first.title}: {', '.join(results)}", f"**{first.title}.** {first.conditions}"
-    blocks.append(figure(draw_characteristic(results), alt, f"figure-{name}", caption))
-    failed = [(law.title, law.failed[name]) for law in found.all if name in law.failed]
-    blocks += [page.Note(title=f"{title}: no result.", text=why) for title, why in failed]
-    return page.Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))

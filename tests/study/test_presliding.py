@@ -5,8 +5,8 @@ import pytest
 
 from stickslip import Dahl, LuGre
 from stickslip.errors import InputError
-from stickslip.study.characterization import presliding_length, presliding_loop
-from stickslip.study.characterization.battery import POINTS
+from stickslip.study import presliding_length, presliding_loop
+from stickslip.study.presliding import POINTS
 
 MU, SIGMA_0, LOAD = 0.25, 1000.0, 9.81
 DAHL = Dahl(kinetic_coefficient=MU, bristle_stiffness=SIGMA_0)
