@@ -734,6 +734,7 @@ class TravelVerdict(SimulatedVerdict):
             "odds_of_friction": None,
             "outliers": {},
             "measure_at": {"setting": list(self.places), "band_shrinks_to": self.shrinks},
+            "certificate": None,
             "inside_second": None,
             "error_second": None,
         }  # fmt: skip
