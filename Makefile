@@ -18,17 +18,17 @@ export REQUIRE_DATA ?= 1
 endif
 
 # Tests, examples and pages share their machine code, so that nothing is compiled twice.
-unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip/tests
+unit docs slow kernels: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip/tests
 # The cores are taken by the workers: more threads only wait for each other.
-unit docs slow: export OPENBLAS_NUM_THREADS ?= 1
-unit docs slow: export STICKSLIP_THREADS ?= 1
+unit docs slow kernels: export OPENBLAS_NUM_THREADS ?= 1
+unit docs slow kernels: export STICKSLIP_THREADS ?= 1
 # Nothing is compiled beside what is measured or tested.
-unit docs slow bench: export STICKSLIP_BACKGROUND ?= 0
+unit docs slow kernels bench: export STICKSLIP_BACKGROUND ?= 0
 # Nor is Python text compiled anew by each process, or are assertions rewritten by each worker.
-unit docs slow: export PYTHONDONTWRITEBYTECODE :=
+unit docs slow kernels: export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help select test stubs lint types architecture unit docs bench slow lowest newest package fuzz format clean
+.PHONY: help select test stubs lint types architecture unit docs bench slow kernels lowest newest package fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -77,6 +77,10 @@ bench: $(DEV) ## benchmarks
 
 slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones
 	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis'
+
+kernels: $(DEV) ## what decides something, under other kernels of linear algebra and machine code
+	$(call heading,kernels)
+	WORKERS=$(WORKERS) $(BIN)/python -m tools.kernels
 
 # A part of the tests, which meets every dependency.
 SMOKE := tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/test_commands.py \

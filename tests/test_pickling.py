@@ -44,6 +44,8 @@ from stickslip.study import presliding_loop
 from stickslip.study.control import closed_loop, limit_cycle
 from stickslip.study.sweep import average_velocity, band_of, basins
 
+pytestmark = pytest.mark.slow
+
 PLAIN = EventDriven(tier="python")
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)

@@ -1,66 +1,122 @@
-"""Verdicts do not turn on the last bits, which differ between kernels of linear algebra."""
+"""Verdicts do not turn on the last bits, which differ between processors.
 
-import os
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
+Tests marked `rounding` run again under other kernels of linear algebra, and with machine code for
+any x86-64: ``make kernels``.
+"""
 
+import dataclasses
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
 import pytest
-from threadpoolctl import threadpool_info
+from benchmarks import closed_loop_axes, joints, pulled_sliders, servos
+from benchmarks.band_truths import decays, maps, records, tables, travels
 
-TESTS = Path(__file__).parent
-OLDER = {
-    "Cooperlake": ("Haswell", "Nehalem"),
-    "Haswell": ("Sandybridge", "Nehalem"),
-    "SapphireRapids": ("Haswell", "Nehalem"),
-    "Sandybridge": ("Nehalem", "Core2"),
-    "SkylakeX": ("Haswell", "Nehalem"),
-    "Zen": ("Sandybridge", "Nehalem"),
-}
-"""Kernels of OpenBLAS with other instructions, which each processor has that can run the first."""
-SHOWN = (
-    "import scipy.linalg, threadpoolctl;"
-    "print(*{one.get('architecture') for one in threadpoolctl.threadpool_info()})"
-)
+from stickslip import Measurement, select
+from stickslip.errors import StickslipError
+
+SMALL = 1e-12
+"""Relative change of each reading: far below what any sensor resolves, and above rounding."""
+SEED = 40_98
 
 
-def run(*arguments, **variables):
-    return subprocess.run(
-        [sys.executable, *arguments], cwd=TESTS.parent, env=os.environ | variables,
-        capture_output=True, text=True, check=False,
+def changed(measurement: Measurement, random: np.random.Generator) -> Measurement:
+    """Return a measurement whose readings are off by what no sensor sees."""
+
+    def of(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {name: of(item) for name, item in value.items()}
+        if isinstance(value, tuple):
+            return tuple(changed(item, random) for item in value)
+        if isinstance(value, Measurement):
+            return changed(value, random)
+        if isinstance(value, np.ndarray | float):
+            return value * (1.0 + SMALL * random.uniform(-1.0, 1.0, np.shape(value)))
+        return value
+
+    names = (
+        "position", "velocity", "force", "friction", "load", "spring_force", "pull", "voltage",
+        "current", "travel", "mean_velocity", "inputs", "joints", "trials",
     )  # fmt: skip
+    return dataclasses.replace(
+        measurement, **{name: of(getattr(measurement, name)) for name in names}
+    )
 
 
-@pytest.fixture(scope="module")
-def others():
-    """The environments of processes with a second and a third kernel."""
-    first = {
-        entry.get("architecture") for entry in threadpool_info() if entry["user_api"] == "blas"
-    }
-    older = OLDER.get(min(map(str, first), default=""))
-    if len(first) != 1 or older is None:
-        pytest.skip(f"no other kernel of linear algebra is known beside {first or 'none'}.")
-    found = [{"OPENBLAS_CORETYPE": name} for name in older]
-    used = [run("-c", SHOWN, **one).stdout.split() for one in found]
-    if used != [[name] for name in older]:
-        pytest.skip(f"this library of linear algebra lacks one of the kernels {older}: {used}.")
-    return found
+Asked = tuple[Any, Measurement, dict[str, Any]]
 
 
-def test_verdicts_are_the_same_under_three_kernels_of_linear_algebra(others):
-    """The tests marked `rounding` run with the first kernel like all others, and here again.
+def drawn(of: Any, number: int) -> Asked:
+    rig = of.drawn(number, SEED)
+    settings = {"vary": ["friction.*", *rig.unknown]} if rig.unknown else {}
+    if rig.t_end is not None:
+        settings["t_end"] = rig.t_end
+    return rig.mechanism, rig.measurement, settings
 
-    Both further kernels run at the same time.
-    """
-    marked = [
-        path for path in TESTS.rglob("test_*.py") if "mark.rounding" in path.read_text("utf-8")
-    ]
-    arguments = [
-        "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "rounding and not slow",
-        *(str(path) for path in marked if path != Path(__file__)),
-    ]  # fmt: skip
-    with ThreadPoolExecutor(len(others)) as pool:
-        again = [*pool.map(lambda one: run(*arguments, **one), others)]
-    for kernel, done in zip(others, again, strict=True):
-        assert done.returncode == 0, f"{kernel}\n{done.stdout}{done.stderr}"
+
+def servo(number: int) -> Asked:
+    made = servos.draw(np.random.default_rng([SEED, number]))
+    record = servos.recorded(made)
+    return made.rig, record, {"vary": ["friction.*", "mechanism.drive.resistance"]}
+
+
+def closed_loop(number: int) -> Asked:
+    random = np.random.default_rng([SEED, number])
+    rig = closed_loop_axes.draw(random, "stribeck")
+    return rig.axis, closed_loop_axes.record(rig, random), {"route": "balance"}
+
+
+def arm(number: int) -> Asked:
+    rig, _, (record, _), _ = joints.drawn("sound", number, SEED)
+    return rig, record, {"vary": joints.LINEAR, "settings": joints.SETTINGS}
+
+
+def steps(number: int) -> Asked:
+    truth = pulled_sliders.STEPPED[number % len(pulled_sliders.STEPPED)]
+    made = pulled_sliders.steps(np.random.default_rng([SEED, number]), truth)
+    return made.given, made.record, {}
+
+
+def slider(number: int) -> Asked:
+    rig = pulled_sliders.Rig(SEED, number)
+    return rig.told, rig.record(rig.run(), rig.block), {}
+
+
+KINDS: Mapping[str, tuple[Callable[[int], Asked], int]] = {
+    "table": (partial(drawn, tables), 14),
+    "map": (partial(drawn, maps), 4),
+    "record": (partial(drawn, records), 8),
+    "decay": (partial(drawn, decays), 5),
+    "travels": (partial(drawn, travels), 3),
+    "closed loop": (closed_loop, 1),
+    "servo": (servo, 1),
+    "arm": (arm, 1),
+    "steps": (steps, 2),
+    "slider": (slider, 1),
+}
+"""Forty measurements of all kinds, by how many of each."""
+
+
+def said(mechanism: Any, measurement: Measurement, settings: Mapping[str, Any]) -> str:
+    try:
+        return str(select(mechanism, None, measurement, **settings))
+    except StickslipError as error:
+        return f"refused: {error}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("make", "number"),
+    [
+        pytest.param(make, number, id=f"{kind} {number}")
+        for kind, (make, count) in KINDS.items()
+        for number in range(count)
+    ],
+)
+def test_readings_that_no_sensor_tells_apart_have_the_same_verdict(make, number):
+    mechanism, measurement, settings = make(number)
+    random = np.random.default_rng(SEED)
+    words = said(mechanism, measurement, settings)
+    assert said(mechanism, changed(measurement, random), settings) == words

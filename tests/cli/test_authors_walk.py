@@ -23,8 +23,6 @@ from stickslip import (
     simulate,
 )
 
-pytestmark = pytest.mark.slow
-
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 MASS, STIFFNESS, LOAD = 0.82, 145.0, 0.82 * 9.81
 COMPRESSIONS = (60, 85, 120)  # mm
@@ -86,7 +84,7 @@ bristle_damping = "300 N s/m"
 TRIAL = """
 [[trial]]
 travel = "{travel:.0f} mm"
-uncertainty = "1 mm"
+uncertainty = "{uncertainty} mm"
 set = {{ "mechanism.compression" = "{compression} mm" }}
 """
 
@@ -98,17 +96,18 @@ def walk(tmp_path, monkeypatch, capsys):
     return commands(capsys, one_line=True)
 
 
-def write_rig(law, *, velocity, stiffness):
+def write_rig(law, *, velocity, stiffness, uncertainty=1.0):
     """Write the rig file with three travels of a law."""
     static = getattr(law, "static_coefficient", None) or 0.35
     text = RIG.format(static=static, velocity=velocity, stiffness=stiffness)
     for compression in COMPRESSIONS:
         block = SpringBlock(mass=MASS, stiffness=STIFFNESS, compression=1e-3 * compression)
         travel = 1e3 * float(simulate(block, law, t_end=5.0)["x"][-1])
-        text += TRIAL.format(travel=travel, compression=compression)
+        text += TRIAL.format(travel=travel, compression=compression, uncertainty=uncertainty)
     Path("block.toml").write_text(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRUTHS)
 def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk, name):
     truth = TRUTHS[name]
@@ -140,8 +139,10 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     assert "could not be produced" not in page
     assert load_rig(law).laws[verdict["best"]].title in page
     band = found["band"]["travel"]
-    # the best values lie in the middle of their draws
-    assert band["low"] <= found["final"]["x"] <= band["high"]
+    # the best values lie among their draws; a value at its limit, as no viscous friction is, at
+    # their edge, which 60 draws do not reach
+    edge = 1e-3 * found["final"]["x"]
+    assert band["low"] - edge <= found["final"]["x"] <= band["high"] + edge
     # and the cart travels as with the true law; 5 %: readings of 1 mm in 100 to 600, and a law
     # that fits them as well as the true one
     cart = load_rig(CART)
@@ -150,11 +151,12 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
 
 
 def test_where_what_was_given_is_far_off_no_law_is_named_and_the_verdict_says_so(walk):
-    # bristles a hundred times too stiff: no level and no slope make up for it
-    write_rig(TRUTHS["dahl"], velocity=0.05, stiffness=1e4)
+    # bristles a hundred times too stiff: a level and a slope leave 4 mm, whatever readings err by
+    write_rig(TRUTHS["dahl"], velocity=0.05, stiffness=1e4, uncertainty=0.5)
     code, out, _ = walk("select", "block.toml")
     assert code == 3
     assert "No law compared explains these travels" in out
+    assert "is 4.3 mm from them, where 0.5 mm is stated" in out
     assert not Path("block-report/law.toml").exists()
     code, _, err = walk("simulate", CART, "--law", "block-report/law.toml")
     assert (code, "does not exist: select recommended no law" in err) == (2, True)

@@ -54,6 +54,7 @@ def test_the_cart_runs_with_the_law_of_a_file_as_with_its_own(walk):
     assert "normal force of 9.81 N" in err  # here it is less, and that is said
 
 
+@pytest.mark.slow
 def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
     # the block without a static surplus: travel k x0^2 / (2 mu m g), which falls with mu
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -246,6 +247,7 @@ def test_an_override_of_a_shared_value_is_named_as_it_was_given(walk):
     assert "friction.kinetic_coefficient (mu_k) = 0.9 is above static_coefficient" in err
 
 
+@pytest.mark.slow
 def test_an_ensemble_of_overridden_parameters_is_refused_with_their_names(walk):
     write("law.toml", SpringBlock(mass=1.0), LAW, KNOWN)
     law = ("--law", "law.toml", "--set", "friction.kinetic_coefficient=0.3")
@@ -260,6 +262,7 @@ def test_an_ensemble_of_overridden_parameters_is_refused_with_their_names(walk):
     assert "given or assumed" not in page
 
 
+@pytest.mark.slow
 def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     write("law.toml", block, LAW, KNOWN)

@@ -91,6 +91,7 @@ def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
     assert "column 'travel [mm]', line 2: must be a finite number, got nothing" in err
 
 
+@pytest.mark.slow
 def test_readings_are_written_in_the_code_page_of_the_rig(run, folder, table):
     text = (folder / "table.csv").read_text().replace("friction [N]", "Größe")
     (folder / "table.csv").write_bytes(text.encode("cp1252"))
@@ -200,6 +201,7 @@ def table(folder):
     (folder / "table.csv").write_text("\n".join(["velocity [m/s],friction [N]", *rows]) + "\n")
 
 
+@pytest.mark.slow
 def test_readings_of_a_table_are_planned_filled_in_and_selected(run, folder, table):
     asked = ("axis.toml", "--data", "table.csv", "--readings", "6", "-o", "next.csv", "--json")
     code, out, err = run("plan", *asked)
@@ -241,6 +243,7 @@ def test_what_has_no_effect_on_further_readings_is_refused(run, folder, table, o
     assert (folder / "table.csv").read_text() == before
 
 
+@pytest.mark.slow
 def test_a_rig_file_of_init_reads_the_table_of_its_plan(run, folder, table):
     rows = np.loadtxt(folder / "table.csv", delimiter=",", skiprows=1)
     lines = [f"{1e3 * v:.5f};{1e-3 * f:.7f};35" for v, f in rows]

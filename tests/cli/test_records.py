@@ -55,6 +55,7 @@ def run(capsys, monkeypatch, tmp_path, write):
     return commands(capsys, one_line=True)
 
 
+@pytest.mark.slow
 def test_a_rig_file_with_data_is_all_that_select_needs(run, tmp_path):
     code, out, _ = run("select", "axis.toml", *FAST)
     assert code == 0
@@ -79,6 +80,7 @@ def volts(write, axis_record):
     return write("volts.csv", u=axis_record["u"] / 35.15, q=1e3 * axis_record["q"])
 
 
+@pytest.mark.slow
 def test_options_say_what_a_rig_without_data_does_not(run, volts):
     _, out, _ = run("fit", "bare.toml", "--data", volts, *COLUMNS, *SAID, *LAW, "--json")
     told = json.loads(out)
@@ -90,6 +92,7 @@ def test_options_say_what_a_rig_without_data_does_not(run, volts):
     assert values[0] == pytest.approx(values[1], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_second_record_is_only_judged_by(run, write):
     write("second.csv", rows=slice(600, None))
     code, out, _ = run("fit", "axis.toml", "--validate", "second.csv")
@@ -172,6 +175,7 @@ def test_the_digest_of_the_inputs_is_that_of_the_data_too(run, write, axis_recor
     assert [one == other for one, other in zip(before, after, strict=True)] == [False, False, True]
 
 
+@pytest.mark.slow
 def test_only_the_parameters_named_are_free(run):
     own = "friction.coulomb-viscous"
     known = ("--set", f"{own}.kinetic_coefficient=10", "--set", f"{own}.viscous_coefficient=20")

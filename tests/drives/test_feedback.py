@@ -47,6 +47,7 @@ def test_feedback_is_a_spring_and_a_damper(law):
     assert slope == pytest.approx(stiff - 0.1 * lifted, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_feedback_reaches_the_side_of_the_motor_and_several_contacts():
     settings = {"motor_inertia": 0.5, "load_inertia": 1.0, "stiffness": 100.0, "rubs": "both"}
     fed = TwoMassAxis(drive=Feedback(state="other", gain=10.0, reference=1.0), **settings)

@@ -149,6 +149,7 @@ def test_sensitivities_to_friction_hold_with_a_recorded_motion():
     assert slope == pytest.approx((ends[1] - ends[0]) / 2e-5, rel=1e-4)  # h^2 / 6 of a few
 
 
+@pytest.mark.slow
 def test_a_fit_says_that_the_error_of_a_recorded_swing_is_in_no_interval():
     sine = SineSwing(amplitude=1.2, frequency=1.6)
     t = np.arange(0.0, 1.5001, 0.005)

@@ -193,6 +193,7 @@ def test_what_was_not_fitted_and_what_the_data_do_not_tell_is_said(read):
         alone.law_estimates().draw(alone.law, 10)
 
 
+@pytest.mark.slow
 def test_levels_of_an_axis_whose_load_is_not_known_are_forces():
     v = np.linspace(-1.0, 1.0, 20)
     table = {"velocity": v, "friction": 2.0 * np.sign(v) + 0.01 * np.cos(9.0 * v)}

@@ -167,6 +167,7 @@ def test_units_without_a_target_are_converted_to_si():
     assert factor("N/mm", None) == 1000.0
 
 
+@pytest.mark.slow
 @given(st.text(max_size=30))
 def test_any_text_is_a_number_or_a_parameter_error(text):
     with contextlib.suppress(ParameterError):

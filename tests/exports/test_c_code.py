@@ -13,6 +13,8 @@ from stickslip.exports.program import equations_of
 from stickslip.mechanisms.drives import Sampled
 from stickslip.study.control import compensation
 
+pytestmark = pytest.mark.slow
+
 LOAD, MASS = 9.81, 2.0
 RELATIVE = 1e-12
 """Sums in another order differ by a few roundings of their largest part."""

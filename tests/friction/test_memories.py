@@ -231,6 +231,7 @@ def test_the_steady_curve_of_gms_is_its_level():
         assert GMS.force(v, 1.0, tuple(z)) == pytest.approx(GMS.steady(v, 1.0), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_lags_behind_a_velocity_that_varies():
     t = np.linspace(0.0, 2.0, 4001)
     v = 0.05 + 0.03 * np.sin(2.0 * np.pi * t)

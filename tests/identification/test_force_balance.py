@@ -75,6 +75,7 @@ def test_the_mean_force_is_mass_times_second_difference_of_a_free_body(joined):
     np.testing.assert_allclose(mean_force(force, joined=joined)[1:-1], second, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_exact_motion_gives_friction_and_mass_back():
     found = derived(Axis(inertia=1.0), CoulombViscous, record_of())
     # the sign of slip is known to a sample of some hundreds between reversals
@@ -113,6 +114,7 @@ def test_a_held_force_acts_half_a_sample_late(seed):
     assert held.mechanism.inertia == pytest.approx(J, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [5.0, 5.0 + 2.0 * np.sin(0.7 * T)], ids=["number", "array"])
 def test_a_measured_load_divides_levels(load):
     record = replace(record_of(load=load), load=load)
@@ -128,6 +130,7 @@ def test_a_load_that_some_trials_only_have_is_refused():
         derived(Axis(inertia=J), CoulombViscous, both)
 
 
+@pytest.mark.slow
 def test_the_weight_of_a_mass_that_is_looked_for_loads_the_contact():
     block, mu = SpringBlock(mass=1.0), 0.25
     weight = mu * 3.0 * block.gravity
@@ -240,6 +243,7 @@ def test_a_record_that_is_too_short_or_never_moves_is_refused(rows, position, me
         fit(Axis(inertia=J), Coulomb, record)
 
 
+@pytest.mark.slow
 def test_reversals_of_slowly_sampled_records_are_no_rests():
     """Slow samples at a reversal are not held by what balances forces without acceleration.
 
@@ -269,6 +273,7 @@ def one_sided(back):
     return Measurement(time=T, position=np.cumsum(v) * 1e-3, force=force)
 
 
+@pytest.mark.slow
 def test_a_motion_one_way_says_that_its_level_includes_a_constant_force():
     found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.0))
     said = (
@@ -279,6 +284,7 @@ def test_a_motion_one_way_says_that_its_level_includes_a_constant_force():
     assert known.estimate("kinetic_coefficient").value == pytest.approx(LEVEL, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_short_way_back_tells_a_constant_force_from_a_level():
     found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.1))
     offset, level = found.estimate("offset"), found.estimate("kinetic_coefficient")

@@ -229,6 +229,7 @@ def test_the_tribometer_record_is_predicted_better_than_published(tribometer):
     assert found.predict(late).error / np.sqrt(np.mean(late.friction**2)) < 0.055
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate", "noise"), [(100.0, 0.0), (1000.0, 5e-6)])
 def test_friction_at_rest_may_take_any_value_that_the_law_allows(rate, noise):
     # closed form: the table while it slips; at rest anything, here half of the level
@@ -291,6 +292,7 @@ def test_velocities_within_their_noise_have_no_direction():
     assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_levels_at_speeds_that_the_record_never_reached_are_not_those_of_its_law(tribometer):
     # friction never exceeds 2.5 N; a level of 40 N at rest and of -2.5 N at the fastest speed,
     # which a bristle never reaches, fits the loops best

@@ -92,6 +92,7 @@ def test_the_record_that_was_fitted_is_no_other_record(found, measured):
         found.predict(measured)
 
 
+@pytest.mark.slow
 def test_several_records_are_one_data_set(found):
     both = Measurement(trials=(record(0, name="a"), record(5, name="b")))
     own = fit(GUESSED, BOTH, both, vary=["friction.*", *LINEAR], settings=QUICK)
@@ -117,6 +118,7 @@ def test_a_law_that_is_not_linear_in_its_parameters_is_found():
     assert left[0] < 0.5 * left[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [None, CoulombViscous])
 def test_a_joint_without_friction_has_no_law(given):
     smooth = record(3, {**TRUTH, "elbow": None})
@@ -127,6 +129,7 @@ def test_a_joint_without_friction_has_no_law(given):
     assert len(said) == (given is not None)
 
 
+@pytest.mark.slow
 def test_a_law_with_a_level_in_each_direction_has_no_offset_beside_it(measured):
     laws = {"shoulder": DirectionDependent, "elbow": CoulombViscous}
     own = fit(ARM, laws, measured, settings=QUICK)
@@ -137,6 +140,7 @@ def test_a_law_with_a_level_in_each_direction_has_no_offset_beside_it(measured):
         assert level == pytest.approx(0.2, rel=0.1)
 
 
+@pytest.mark.slow
 def test_what_a_record_does_not_tell_is_said_and_has_no_interval(measured):
     """Without gravity and with a stiff upper joint, nothing depends on the upper centre."""
     floating = replace(ARM, gravity=0.0)
@@ -159,6 +163,7 @@ def test_what_a_record_does_not_tell_is_said_and_has_no_interval(measured):
     assert any("upper centre (c_1) is not identified" in line for line in own.sentences)
 
 
+@pytest.mark.slow
 def test_fixed_values_and_single_parameters_are_named_by_path(measured):
     fixed = {"measurement.offset.force.elbow": 0.0, "friction.shoulder.viscous_coefficient": 0.02}
     own = fit(ARM, BOTH, measured, vary=["friction.*", "upper_centre"], fixed=fixed, settings=QUICK)
@@ -172,6 +177,7 @@ def test_fixed_values_and_single_parameters_are_named_by_path(measured):
     assert fitted.law["shoulder"] == TRUTH["shoulder"]
 
 
+@pytest.mark.slow
 def test_a_parameter_with_a_stated_uncertainty_does_not_spoil_the_laws(measured):
     """A given inertia is wrong by a standard error, which the record tells."""
     wrong = replace(ARM, lower_inertia=ARM.lower_inertia - 0.005)

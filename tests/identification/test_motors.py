@@ -155,21 +155,14 @@ def test_a_recorded_current_tells_the_torque_constant_whatever_the_resistance(ge
     assert found["friction.transmitted_coefficient"].value == pytest.approx(0.2, rel=0.02)
 
 
-@pytest.mark.slow
-def test_rows_of_a_winding_stand_beside_those_of_friction_in_time(plain):
-    found = fit(GUESS, BamM1, plain, vary=["friction.*", R, K], settings=SETTINGS)
-    # without noise of the current, its own rows leave rounding and the noise of positions alone
-    assert by(found)[R].value == pytest.approx(3.2, rel=2e-3)
-    assert by(found)[K].value == pytest.approx(0.35, rel=2e-3)
-
-
-def test_without_the_voltage_a_current_does_not_tell_the_resistance(plain):
-    record = replace(plain, voltage=None)
-    found = by(
-        fit(GUESS, BamM1, record, vary=["friction.*", R, K], route="balance", settings=SETTINGS)
-    )
-    assert not found[R].bounded or found[R].high - found[R].low > 1e6  # ohm
-    assert found[K].bounded
+@pytest.mark.parametrize("voltage", [True, False])
+@pytest.mark.parametrize("law", [BamM1, BamM3])
+def test_a_recorded_current_is_the_torque_whatever_the_resistance(request, law, voltage):
+    """Nothing else than rounding changes with it: .7 N m of torque change by 3e-16 N m."""
+    record = request.getfixturevalue("plain" if law is BamM1 else "gear")
+    record = record if voltage else replace(record, voltage=None)
+    with pytest.raises(InputError, match=r"nothing in these records changes with drive.resistance"):
+        fit(GUESS, law, record, vary=["friction.*", R, K], settings=SETTINGS)
 
 
 def test_what_drives_a_record_must_fit_the_mechanism(gear):
@@ -292,10 +285,18 @@ def test_a_goal_is_fitted_through_a_sampled_loop(sampled):
         record,
         vary=["friction.*", K],
     )
-    estimate = by(found)[K]
-    assert estimate.value == pytest.approx(0.35, abs=2.0 * (estimate.high - estimate.low))
+    for path, true in {
+        K: 0.35,
+        "friction.kinetic_coefficient": M3.kinetic_coefficient,
+        "friction.transmitted_coefficient": M3.transmitted_coefficient,
+        "friction.viscous_coefficient": M3.viscous_coefficient,
+    }.items():
+        own = by(found)[path]
+        assert own.low <= true <= own.high
+        assert own.value == pytest.approx(true, rel=0.05)
+    assert by(found)[K].high - by(found)[K].low < 0.1 * 0.35
     # what is left of the runs is less than a step of the encoder
-    assert found.judgement.problem.following.error < 2.0 * np.pi / 4096
+    assert found.judgement.problem.following.seen.rms < 2.0 * np.pi / 4096
 
 
 def test_equations_of_a_loop_that_samples_are_refused():

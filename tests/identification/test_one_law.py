@@ -60,6 +60,7 @@ def numbers(found):
     return [(one.path, one.value, one.low, one.high) for one in found.estimates]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("made", [table, record])
 @pytest.mark.parametrize("name", TRUTHS)
 def test_select_with_one_law_gives_the_numbers_of_fit_to_the_last_digit(name, made):
@@ -92,6 +93,7 @@ VARIED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VARIED)
 def test_select_with_one_law_gives_the_numbers_of_fit_for_what_else_is_unknown(name):
     mechanism, law, made, vary = VARIED[name]
@@ -103,6 +105,7 @@ def test_select_with_one_law_gives_the_numbers_of_fit_for_what_else_is_unknown(n
     assert found.law == chosen.law
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [4.0, 2.0])
 def test_an_inertia_is_fitted_beside_a_law_that_is_held(level):
     """A law that is held and wrong is said to be, and does not move the inertia."""
@@ -118,6 +121,7 @@ def test_an_inertia_is_fitted_beside_a_law_that_is_held(level):
     assert numbers(by_value) == numbers(found)
 
 
+@pytest.mark.slow
 def test_links_are_fitted_beside_laws_that_are_held():
     found = fit(GUESSED, TRUTH, of_arm(0), vary=LINEAR)
     assert [one.path for one in found.estimates] == [f"mechanism.{name}" for name in LINEAR]
@@ -137,6 +141,7 @@ def test_a_fit_of_nothing_is_refused(vary):
         )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [Dahl, LuGre])
 def test_select_with_one_law_of_bristles_gives_the_numbers_of_fit(law):
     """Their viscous exponent is 1 unless it is varied, in a selection as in a fit."""

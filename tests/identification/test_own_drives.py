@@ -66,6 +66,7 @@ def runs_of(found):
     return found.judgement.problem.following
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     quick(CASES, "stroke"),  # the tests below have the others
@@ -75,7 +76,8 @@ def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name)
     found = fitted(mechanism, record(mechanism, length, rate, noise))
     level = found.estimate("kinetic_coefficient")
     assert level.low <= 0.18 <= level.high  # 95 %: seeds are fixed
-    assert level.high - level.low < 0.02
+    # a swing tells masses and length, which may not be as given, by their ratio alone
+    assert level.high - level.low < (0.03 if name == "swing" else 0.02)
     # nothing but the sensor's noise is left, within the scatter of a few hundred rows
     assert runs_of(found).error == pytest.approx(noise, rel=0.15)
 
@@ -121,6 +123,7 @@ def test_what_is_inside_begins_where_the_record_says():
         fitted(mechanism, replace(seen, initial={"x": 0.1, **start}))
 
 
+@pytest.mark.slow
 def test_a_start_of_what_is_inside_that_nobody_states_is_unknown():
     mechanism, length, rate, noise = CASES["kicks"]
     found = fitted(
@@ -136,14 +139,21 @@ def test_a_start_of_what_is_inside_that_nobody_states_is_unknown():
 def test_trials_with_other_drives_are_fitted_together():
     mechanism, _, rate, noise = CASES["kicks"]
     path = "mechanism.drive.drive.period"
-    parts = []
-    for seed, period in enumerate((0.3, 0.45), 2):
-        own = replace(mechanism, drive=Torque(drive=replace(KICKS, period=period)))
-        parts.append(replace(record(own, 2.0, rate, noise, seed=seed), overrides={path: period}))
-    found = fitted(mechanism, Measurement(trials=tuple(parts)))
-    level = found.estimate("kinetic_coefficient")
-    assert level.low <= 0.18 <= level.high
-    assert runs_of(found).error == pytest.approx(noise, rel=0.15)
+    held = []
+    for seeds in ((2, 3), (4, 5), (6, 7)):
+        parts = []
+        for seed, period in zip(seeds, (0.3, 0.45), strict=True):
+            own = replace(mechanism, drive=Torque(drive=replace(KICKS, period=period)))
+            seen = record(own, 2.0, rate, noise, seed=seed)
+            parts.append(replace(seen, overrides={path: period}))
+        found = fitted(mechanism, Measurement(trials=tuple(parts)))
+        level = found.estimate("kinetic_coefficient")
+        held.append(level.low <= 0.18 <= level.high)
+        assert level.value == pytest.approx(0.18, abs=0.005)
+        assert level.high - level.low < 0.006
+        assert runs_of(found).error == pytest.approx(noise, rel=0.15)
+    # of three intervals of 95 % one misses in one of seven, two in one of 140
+    assert sum(held) >= 2
 
 
 @pytest.mark.slow
@@ -152,8 +162,12 @@ def test_a_number_of_the_drive_may_be_looked_for_too():
     seen = record(mechanism, length, rate, noise)
     wrong = replace(mechanism, drive=Torque(drive=replace(KICKS, high=5.0)))
     found = fitted(wrong, seen, "high")
-    assert found.estimate("high").low <= 6.0 <= found.estimate("high").high
-    assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
+    push, level = found.estimate("high"), found.estimate("kinetic_coefficient")
+    assert push.low <= 6.0 <= push.high
+    assert push.high - push.low < 0.2
+    # wider than with the push known: a harder one against more friction goes as far
+    assert level.low <= 0.18 <= level.high
+    assert level.high - level.low < 0.02
 
 
 SHAKEN = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
@@ -172,6 +186,7 @@ def test_runs_tell_friction_of_an_axis_that_drives_itself_beside_a_constant_forc
     assert runs_of(found).error == pytest.approx(2e-4, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("force", "seed"), [(2.4, 2), (2.2, 3)])
 def test_a_level_at_rest_that_is_higher_leaves_the_kinetic_one_where_it_is(force, seed):
     """The axis rests most of the time, so that breaking away decides where it slips."""
@@ -205,6 +220,8 @@ def test_a_stiffness_that_is_not_as_given_is_named_and_moves_no_friction():
     assert "the stiffness at 1.09 times what was given" in finding.sentence
 
 
+@pytest.mark.slow
+@pytest.mark.rounding
 def test_constants_that_do_the_same_are_not_named():
     """A swing tells the cart's mass, the ball's and the length by their ratio alone."""
     mechanism, length, rate, noise = CASES["swing"]
@@ -217,6 +234,7 @@ def test_constants_that_do_the_same_are_not_named():
     assert not any(item.asserted for item in found.verdict.findings)
 
 
+@pytest.mark.slow
 def test_one_law_of_a_selection_is_its_fit():
     mechanism, length, rate, noise = CASES["stroke"]
     seen = record(mechanism, length, rate, noise)
@@ -239,6 +257,7 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
         fit(wild, Coulomb, seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_velocities_with_much_noise_leave_the_level_where_it_is(seed):
     """The prior of a level has the size of friction under the load."""

@@ -90,6 +90,7 @@ def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
         fit(AXIS, CoulombViscous, Measurement(trials=many))
 
 
+@pytest.mark.slow
 def test_what_a_check_warns_of_stands_beside_the_fit(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
     both = ["friction.*", "mechanism.inertia"]
@@ -181,6 +182,7 @@ def test_a_second_record_must_have_what_the_first_has(parts, found):
 # --- loads
 
 
+@pytest.mark.slow
 def test_a_measured_load_takes_the_place_of_the_mechanism_s(parts, found):
     loaded = fit(AXIS, CoulombViscous, Measurement(**parts, load=5.0))
     # levels are per unit load: the same friction force is a fifth of the coefficient
@@ -228,6 +230,7 @@ def test_a_load_that_is_given_twice_is_refused(parts):
         fit(AXIS, CoulombViscous, record)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", ["motor", "position"])
 def test_a_law_of_what_fits_do_not_follow_is_refused(parts, of):
     kind, record = law(f"level + weight[{of}]"), Measurement(**parts)
@@ -296,6 +299,7 @@ def test_a_law_with_states_is_refused_with_the_cause(parts, law, choice, cause):
         fit(AXIS, law, Measurement(**parts), **choice)
 
 
+@pytest.mark.slow
 def test_states_that_a_drive_without_a_recorded_force_does_not_show_are_refused():
     shaken = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
     run = simulate(shaken, Coulomb(kinetic_coefficient=0.18), t_end=3.0)

@@ -45,6 +45,7 @@ def resting(joint, rest, seed=0, jitter=0.0):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", quick(JOINTS, JOINTS[-1]))
 @pytest.mark.parametrize("rest", RESTS)
 def test_a_joint_that_rests_spoils_nothing_of_its_neighbour(joint, rest):
@@ -75,6 +76,7 @@ def test_a_joint_that_rests_is_no_fault_of_a_record_in_which_another_moves():
     assert said.record == "elbow"
 
 
+@pytest.mark.slow
 def test_a_joint_may_rest_in_one_of_several_records():
     moving, still = record(1, name="both"), resting("elbow", "noise", seed=2)
     trials = Measurement(trials=(moving, replace(still, name="elbow rests")))
@@ -88,6 +90,7 @@ def test_a_joint_may_rest_in_one_of_several_records():
     assert not any("rests" in sentence for sentence in found.sentences)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rest", RESTS)
 def test_the_error_on_a_record_in_which_a_joint_rests_is_finite(rest):
     found = fit(ARM, BOTH, record(1), settings=QUICK)

@@ -63,6 +63,7 @@ def test_trials_of_one_law_are_seldom_said_to_differ():
     assert rejected <= 1
 
 
+@pytest.mark.slow
 def test_a_level_that_rises_is_found_and_said_with_its_ends():
     found = compared(made(1, MANY, rise=0.01))
     assert not found.shared
@@ -78,6 +79,7 @@ def test_a_level_that_rises_is_found_and_said_with_its_ends():
     assert not viscous.clear
 
 
+@pytest.mark.slow
 def test_what_three_trials_hardly_tell_of_a_condition_is_said_so():
     found = compared(made(1, rise=0.01))
     assert not found.shared
@@ -92,6 +94,7 @@ def test_most_small_rises_are_found():
     assert found >= 12
 
 
+@pytest.mark.slow
 def test_a_viscous_part_that_falls_is_found():
     found = compared(made(2, MANY, slope_rise=-0.03))
     assert "sigma_2 falls from" in found.sentences[0]
@@ -111,6 +114,7 @@ def test_intervals_of_slopes_cover_the_truth_beside_scatter_between_trials():
     assert covered >= 0.85 * count  # 95 % less 3 standard errors of 40 sets
 
 
+@pytest.mark.slow
 def test_each_trial_has_its_own_estimates_with_intervals():
     found = compared(made(3, rise=0.01))
     for one, temperature in zip(found.trials, (20.0, 40.0, 60.0), strict=True):
@@ -125,6 +129,7 @@ def test_each_trial_has_its_own_estimates_with_intervals():
     assert plain["lines"][0]["condition"] == "temperature [degC]"
 
 
+@pytest.mark.slow
 def test_a_text_is_a_condition_whose_values_are_compared():
     draw = np.random.default_rng(4)
     words = ("dry", "oil", "dry", "oil")
@@ -139,6 +144,7 @@ def test_a_text_is_a_condition_whose_values_are_compared():
     assert "for 'oil'" in found.sentences[0]
 
 
+@pytest.mark.slow
 def test_a_difference_that_no_condition_explains_is_said_so():
     draw = np.random.default_rng(5)
     levels, runs = (5.0, 6.0, 6.0, 5.0), (1.0, 2.0, 3.0, 4.0)

@@ -119,6 +119,7 @@ def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
     assert half_width(sought.estimate("kinetic_coefficient")) < 0.2 * NORMAL_95 * 0.02
 
 
+@pytest.mark.rounding
 def test_runs_of_what_drives_itself_hold_the_truth_where_a_mass_is_off():
     record = swung(replace(CART, cart_mass=0.52))
     stated = replace(record, parameter_uncertainties={"cart_mass": 0.02})

@@ -85,6 +85,7 @@ def test_a_trial_does_not_override_what_is_fixed():
         fit(BLOCK, Coulomb, Measurement(trials=trials), fixed={"compression": 0.1})
 
 
+@pytest.mark.slow
 def test_the_mass_is_held_unless_it_is_varied(driven):
     held = fit(AXIS, CoulombViscous, driven)
     assert held.mechanism.inertia == 2.0
@@ -93,6 +94,7 @@ def test_the_mass_is_held_unless_it_is_varied(driven):
     assert freed.mechanism.inertia == pytest.approx(2.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_an_offset_is_fitted_unless_it_is_fixed(driven):
     pulled = replace(driven, force=driven.force + 0.5)
     found = fit(AXIS, CoulombViscous, pulled)
@@ -103,6 +105,7 @@ def test_an_offset_is_fitted_unless_it_is_fixed(driven):
     assert held.mechanism.offset == 0.5
 
 
+@pytest.mark.slow
 def test_a_fixed_level_of_the_usual_ones_is_held(driven):
     fixed = {"viscous_coefficient": 4.0}
     found = fit(AXIS, CoulombViscous, driven, fixed=fixed)
@@ -114,6 +117,7 @@ def test_a_fixed_level_of_the_usual_ones_is_held(driven):
     assert map_.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-4)  # the data are exact
 
 
+@pytest.mark.slow
 def test_more_than_the_usual_parameters_may_be_varied():
     law = Stribeck(
         kinetic_coefficient=2.0, static_coefficient=3.0, stribeck_velocity=0.1, fading_exponent=1.0

@@ -8,6 +8,7 @@ from benchmarks import bands
 from benchmarks.band_truths import decays
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["tables", "decays"])
 def test_a_study_of_two_rigs_prints_its_table_and_judges_none_twice(kind, tmp_path, capsys):
     path = tmp_path / "bands.jsonl"
@@ -36,6 +37,7 @@ def test_a_band_that_misses_the_truth_by_three_noises_is_a_false_statement():
     assert len(list(bands._false(None, row))) == 3
 
 
+@pytest.mark.slow
 def test_intervals_of_a_wrong_law_are_of_that_law_laid_through_the_true_curve():
     rig = bands.tables.drawn(4, 730519).with_(more=None)
     row = bands.rated(rig, 0)
@@ -85,6 +87,7 @@ def test_the_true_structure_of_a_decay_is_fitted_near_its_friction(number):
     assert 0.0 < np.sqrt(np.mean(error**2)) < 1.0
 
 
+@pytest.mark.slow
 def test_a_wheel_that_does_not_stop_is_asked_at_speeds_that_it_had():
     slow = 0
     for number in range(20):

@@ -86,6 +86,7 @@ def test_few_samples_a_swing_do_not_bias_the_level():
     assert level_of(found) == pytest.approx(LEVEL, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["position", "velocity"])
 def test_a_coast_down_tells_level_and_viscous_friction(quantity):
     # m v' = -level - viscous v, in closed form
@@ -126,6 +127,7 @@ def test_a_coast_down_of_few_positions_tells_drag_as_a_fit_of_its_motion_does(no
     assert np.sqrt(np.mean(np.square(errors))) < 2.0 * least
 
 
+@pytest.mark.slow
 def test_a_constant_known_force_stays_known():
     # down a slope whose force is given: friction is what it takes, less what slows the mass
     t = np.arange(0.0, 8.0, 0.02)
@@ -151,6 +153,7 @@ def test_noise_turns_no_coast_down():
     assert level_of(found) == pytest.approx(level, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_constant_force_of_a_decay_is_no_friction():
     # the zero of the encoder is off: the spring then pulls with a constant force
     shifted = swings()
@@ -205,6 +208,7 @@ def test_a_block_that_comes_to_rest_within_its_record_has_coulomb_friction(noise
     assert interval.low - 1e-4 * friction <= friction <= interval.high + 1e-4 * friction
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 3])
 def test_swings_that_stop_within_their_record_have_the_level_that_stops_them(seed):
     t = np.arange(0.0, 20.0, 0.005)
@@ -238,6 +242,7 @@ def test_further_motions_are_expected_to_narrow_the_band(verdict):
     assert told == (widths[0] < WORTH)
 
 
+@pytest.mark.slow
 def test_a_further_motion_narrows_the_band_about_as_expected(verdict):
     both = Measurement(trials=(swings(), swings(seed=1)))
     after = select(RIG, None, both, route="balance").judgement

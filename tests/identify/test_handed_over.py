@@ -94,6 +94,7 @@ def judged(name):
     return Judgement(PROBLEMS[name]())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("within", [False, True], ids=["beside", "within"])
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_every_law_slides_as_its_structure_in_both_directions(name, within):

@@ -64,6 +64,13 @@ def test_the_law_of_each_joint_is_named_and_its_band_holds_the_friction(verdict)
         assert own.score_unit == "N m"
 
 
+def test_each_joint_is_followed_by_a_run_with_the_motion_of_the_others_known(verdict):
+    for joint in JOINTS:
+        seen = verdict.joints[joint].certificate
+        assert seen.run_error < 0.1
+        assert 0.9 < seen.friction_work < 1.1
+
+
 def test_links_are_found_with_the_laws(verdict):
     found = verdict.best.fit
     for name in LINEAR:

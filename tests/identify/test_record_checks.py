@@ -187,6 +187,7 @@ def test_a_known_constant_force_is_no_friction():
     assert backward == pytest.approx(-LEVEL - VISCOUS, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_curve_of_a_record_whose_load_changes_predicts_as_well_as_the_law():
     # viscous friction and a part of the level that no load changes: the curve is times the load
     load = 1.2 + 0.8 * np.sin(1.7 * moved(12)[0])
@@ -204,6 +205,7 @@ def test_the_curve_of_a_record_whose_load_changes_predicts_as_well_as_the_law():
     assert band.high[0] - band.low[0] < 0.1 * true
 
 
+@pytest.mark.slow
 def test_a_force_that_acts_late_is_a_delay_and_no_inertia():
     # the force acts 4 ms after it was recorded: latency of a drive, or a load behind a coupling
     t, x, force = driven(13)

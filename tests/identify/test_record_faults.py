@@ -198,6 +198,7 @@ def swung(frequency: float, heavier: float = 1.2) -> Record:
     return records_of(replace(arm, mass=1.0), measured, unknown=["mechanism.mass"])[0]
 
 
+@pytest.mark.slow
 def test_a_wrong_length_is_let_in_and_named_where_the_mass_is_looked_for() -> None:
     judgement = judged(swung(0.25))
     (found,) = [one for one in judgement.findings if one.term == "inertia_given"]
@@ -210,6 +211,7 @@ def test_a_wrong_length_is_let_in_and_named_where_the_mass_is_looked_for() -> No
     assert inside > 0.93
 
 
+@pytest.mark.slow
 def test_a_mass_at_its_length_is_found_and_nothing_is_named() -> None:
     judgement = judged(swung(0.25, heavier=1.0))
     assert not [one for one in judgement.findings if one.term.endswith("_given") and one.asserted]
@@ -235,6 +237,7 @@ def geared(share: float, noise: float = 0.0) -> Record:
     return replace(record, force=record.force + share * side * np.abs(through), transmitted=read)
 
 
+@pytest.mark.slow
 def test_friction_that_grows_with_the_torque_of_a_gear_is_named() -> None:
     judgement = judged(geared(0.2, noise=3.0))
     assert judgement.named.family == ("gear", "level", "viscous")
@@ -283,6 +286,7 @@ def moved(friction: FrictionLaw, seed: int, size: float = 1.0) -> Record:
     return Record(time=t, position=read, force=np.asarray(force), inertia=2.0, held=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 3, 8])
 def test_friction_that_differs_by_direction_is_named_without_bristles(seed: int) -> None:
     """One turn between samples shows no bristle; few rows show slopes of a factor of 3."""
@@ -309,6 +313,7 @@ def test_rows_that_are_few_are_taken_before_those_at_rest() -> None:
 # ---- bristles
 
 
+@pytest.mark.slow
 def test_stiffness_and_damping_of_bristles_are_in_their_intervals() -> None:
     t = np.arange(0.0, 12.0, 0.002)
     phases = np.random.default_rng(4).uniform(0.0, 2.0 * np.pi, 4)
@@ -338,6 +343,7 @@ def test_stiffness_and_damping_of_bristles_are_in_their_intervals() -> None:
 # ---- forces that are recorded late
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.02, 0.008])
 def test_friction_that_is_recorded_late_is_a_delay_with_its_size(delay: float) -> None:
     t = np.arange(0.0, 8.0, 0.004)
@@ -358,6 +364,7 @@ def test_friction_that_is_recorded_late_is_a_delay_with_its_size(delay: float) -
     assert np.mean((band.low <= other.response) & (other.response <= band.high)) > 0.9
 
 
+@pytest.mark.slow
 def test_a_low_pass_of_the_recorded_force_is_told_from_a_delay() -> None:
     """A pure delay alone makes the inertia behind such a channel too small."""
     record = driven(noise=0.0)
@@ -373,6 +380,7 @@ def test_a_low_pass_of_the_recorded_force_is_told_from_a_delay() -> None:
     assert np.median(inertia) == pytest.approx(INERTIA, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.012, -0.012, 0.03])
 def test_a_delay_of_the_force_changes_no_law_and_no_inertia(delay: float) -> None:
     """Beyond a part of 1/cutoff it is not linear."""
@@ -446,6 +454,7 @@ def test_a_part_of_the_level_that_no_load_changes_is_told() -> None:
 # ---- a sine of one frequency
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "viscous"), [(0.11, 0.26), (0.3, 0.1)])
 def test_friction_takes_the_work_of_a_force_of_one_frequency(level: float, viscous: float) -> None:
     rng = np.random.default_rng(11)
@@ -499,6 +508,7 @@ def test_noise_of_the_force_is_no_delay() -> None:
     assert noisy @ quiet / (quiet @ quiet) == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.slow
 def test_a_force_that_is_recorded_late_is_said_to_be_and_changes_no_inertia() -> None:
     record = driven(noise=3.0, seconds=12.0)
     late = replace(record, force=np.interp(record.time - 0.004, record.time, record.force))
@@ -510,6 +520,7 @@ def test_a_force_that_is_recorded_late_is_said_to_be_and_changes_no_inertia() ->
     assert delay.low < -0.004 < delay.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "exponent"), [(1e-3, 1.0), (1.3e-3, 2.0), (1.3e-3, 0.0)])
 def test_the_length_of_a_bristle_is_found_between_those_of_the_grid(
     length: float, exponent: float
@@ -523,6 +534,7 @@ def test_the_length_of_a_bristle_is_found_between_those_of_the_grid(
     assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.005)
 
 
+@pytest.mark.slow
 def test_friction_of_two_memories_is_in_its_band() -> None:
     record = preslid(lambda x, _: 5.0 * stretched(x, 4e-4, 1.0) + 4.0 * stretched(x, 6e-3, 1.0))
     judgement = judged(record)
@@ -532,6 +544,7 @@ def test_friction_of_two_memories_is_in_its_band() -> None:
     assert np.all((band.low < true) & (true < band.high))
 
 
+@pytest.mark.slow
 def test_a_bristle_carries_the_load_of_the_moment() -> None:
     def loads(t: Array) -> Array:
         return 10.0 + 6.0 * np.sin(4.0 * t)
@@ -554,6 +567,7 @@ def clipped(share: float) -> Record:
     return replace(record, force=np.clip(record.force, -most, most))
 
 
+@pytest.mark.slow
 def test_forces_that_a_sensor_clips_are_hidden_and_not_data() -> None:
     judgement = judged(clipped(0.6))
     assert judgement.named.family == ("level", "viscous")
@@ -568,6 +582,7 @@ def test_forces_that_a_sensor_clips_are_hidden_and_not_data() -> None:
     assert f"no more than {quantity(at, 'N', 3)}, " in clips.sentence
 
 
+@pytest.mark.slow
 def test_limits_of_a_sensor_are_of_forces_that_are_clipped() -> None:
     record = driven()
     low, high = (share * float(np.max(np.abs(record.force))) for share in (0.5, 0.7))
@@ -579,6 +594,7 @@ def test_limits_of_a_sensor_are_of_forces_that_are_clipped() -> None:
     assert clips.size == pytest.approx(share, abs=0.02)
 
 
+@pytest.mark.slow
 def test_noise_of_a_record_is_that_of_forces_its_sensor_shows() -> None:
     free = driven(seconds=3.0)
     most = 0.4 * float(np.max(np.abs(free.force)))
@@ -604,6 +620,7 @@ def pushed(force: Array) -> Record:
     return Record(time=0.002 * np.arange(len(x)), position=x + noise, force=force)
 
 
+@pytest.mark.slow
 def test_a_command_that_is_limited_before_it_is_recorded_is_no_sensor_that_clips() -> None:
     t = np.arange(0.0, 8.0, 0.002)
     force = 30.0 * np.sin(2.0 * math.pi * 0.7 * t) + 15.0 * np.sin(2.0 * math.pi * 1.9 * t + 1.0)
@@ -613,6 +630,7 @@ def test_a_command_that_is_limited_before_it_is_recorded_is_no_sensor_that_clips
     assert inertia.low < INERTIA < inertia.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.2])
 def test_a_force_that_only_changes_its_sign_is_no_sensor_that_clips(noise: float) -> None:
     rng = np.random.default_rng(2)

@@ -224,6 +224,7 @@ def test_where_a_coefficient_is_bounded_the_others_follow() -> None:
     np.testing.assert_allclose(draws.law.sum(axis=0), 1.0, atol=0.02)
 
 
+@pytest.mark.slow
 def test_a_pressure_that_pushes_is_no_friction():
     """A constant force follows the pressure, as on a rod, and the level does as well."""
     random, trials = np.random.default_rng(4), []
@@ -289,6 +290,7 @@ def unsteady(seed: int, begin: float) -> Record:
     return replace(record, time=t + begin, force=record.force + force)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("begin", [0.0, 8.0])
 def test_another_record_has_another_course_of_a_force_in_time(begin: float) -> None:
     problem = RecordProblem([unsteady(1, 0.0)])
@@ -299,6 +301,7 @@ def test_another_record_has_another_course_of_a_force_in_time(begin: float) -> N
     assert np.median(band.high - band.low) / 2.0 < 5.0 * 0.5 * LEVEL  # .5 and .95 of four times
 
 
+@pytest.mark.slow
 def test_a_bristle_of_another_exponent_is_found_with_the_inertia() -> None:
     record, length = driven(3), 0.006
     t, x = record.time, record.position

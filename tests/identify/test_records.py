@@ -79,6 +79,7 @@ def test_the_band_holds_readings_of_a_second_record():
         assert inside > level - 0.05
 
 
+@pytest.mark.slow
 def test_a_memory_is_named_with_its_length():
     judgement = judged(memory=0.02)
     assert judgement.problem.memory == "dahl"

@@ -92,6 +92,7 @@ def test_the_verdict_of_a_record_is_a_document_and_a_figure(verdict):
     assert len(verdict.plot().lines) > 0
 
 
+@pytest.mark.slow
 def test_a_coast_down_at_one_sample_a_second_is_judged():
     """76 kg, 1.2 N and 0.03 N s^2/m^2: v = sqrt(F/c) tan(phi - t sqrt(F c) / m), a closed form."""
     level, drag, mass = 1.2, 0.03, 76.0
@@ -141,12 +142,14 @@ def assert_holds(verdict, truth):
         assert found[name].low_any <= value <= found[name].high_any, name
 
 
+@pytest.mark.slow
 def test_levels_that_differ_by_direction_are_told_where_the_offset_is_held():
     verdict = select(AXIS, None, moved(SIDES), fixed={"offset": 0.0})
     assert verdict.best.name == "direction-dependent"
     assert_holds(verdict, {name: getattr(SIDES, name) for name in type(SIDES).fit_order})
 
 
+@pytest.mark.slow
 def test_with_an_unknown_offset_it_is_said_that_levels_by_direction_are_not_told_from_it():
     verdict = select(AXIS, None, moved(SIDES))
     said = "A constant offset cannot be distinguished from a level that differs by direction"
@@ -156,6 +159,7 @@ def test_with_an_unknown_offset_it_is_said_that_levels_by_direction_are_not_told
     assert found["backward_viscous_coefficient"].value == pytest.approx(9.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_presliding_is_a_memory_of_the_way():
     dahl = Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0)
     verdict = select(AXIS, None, moved(dahl))
@@ -163,6 +167,7 @@ def test_presliding_is_a_memory_of_the_way():
     assert_holds(verdict, {"kinetic_coefficient": 4.0, "bristle_stiffness": 3000.0})
 
 
+@pytest.mark.slow
 def test_only_laws_that_were_named_are_compared():
     record = moved(Dahl(kinetic_coefficient=4.0, bristle_stiffness=3000.0))
     assert select(AXIS, ["dahl", "coulomb"], record).best.name.startswith("dahl")
@@ -182,6 +187,7 @@ def test_forces_that_hold_between_samples_or_go_straight_bias_nothing(held):
     assert_holds(verdict, {"kinetic_coefficient": 4.0, "viscous_coefficient": 6.0})
 
 
+@pytest.mark.slow
 def test_friction_that_is_recorded_late_is_a_delay_with_its_size():
     t = np.arange(0.0, 8.0, 0.004)
     x = 0.03 * np.sin(4.0 * t) + 0.01 * np.sin(11.3 * t)
@@ -234,6 +240,7 @@ def rubbed(*levels):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("change", "side"), [(1.0, 1.0), (1.0, -1.0), (-0.8, -1.0)])
 def test_friction_that_changes_at_one_speed_is_said_with_its_ends(change, side):
     """As a disc runs in: bristles of metres, at rest at the first sample, are no rival of a drift.
@@ -259,6 +266,7 @@ def test_friction_that_changes_at_one_speed_is_said_with_its_ends(change, side):
     assert np.all((band.low < mean) & (mean < band.high))
 
 
+@pytest.mark.slow
 def test_friction_that_is_smooth_below_the_slowest_speed_bends_no_law():
     """Rows near a turn have it: with one breadth of them both coefficients were off."""
     t = np.arange(0.0, 38.8, 5e-3)
@@ -280,6 +288,7 @@ def test_friction_that_is_smooth_below_the_slowest_speed_bends_no_law():
         assert own[name].low_any <= value <= own[name].high_any, name
 
 
+@pytest.mark.slow
 def test_trials_that_differ_widen_the_band_and_are_said_to():
     alike, unlike = select(AXIS, None, rubbed(5.0, 5.0, 5.0)), select(
         AXIS, None, rubbed(5.0, 6.0, 7.0)
@@ -298,6 +307,7 @@ def test_trials_that_differ_widen_the_band_and_are_said_to():
 # ---- what is refused, or recommended to nobody
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [10.0, 0.1])
 def test_lengths_in_the_wrong_unit_are_said_and_change_no_level(factor):
     record = moved(SIDES)
@@ -348,6 +358,7 @@ def test_a_record_without_motion_decides_nothing():
     assert str(seen.value).count("Position is constant") == 1
 
 
+@pytest.mark.slow
 def test_a_frictionless_record_is_said_to_be_one():
     verdict = select(AXIS, None, moved(Coulomb(kinetic_coefficient=1e-9)))
     assert verdict.sentence.startswith("No friction stands above the noise")
@@ -356,6 +367,7 @@ def test_a_frictionless_record_is_said_to_be_one():
     assert all(float(share.replace(",", "")) <= 100.0 for share in shares)
 
 
+@pytest.mark.slow
 def test_an_inertia_below_zero_is_said_before_there_is_no_friction():
     moving = moved(Coulomb(kinetic_coefficient=1e-9))
     # another body takes 1.5 times the force of inertia, and pushes back
@@ -394,6 +406,7 @@ def sprung():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("given", "vary", "truth"),
     [
@@ -418,6 +431,7 @@ def test_parameters_in_which_the_balance_is_affine_are_found_beside_the_law(
         assert getattr(rig, name) == pytest.approx(value, rel=0.01, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_damping_that_is_looked_for_has_the_viscous_friction_in_it(sprung):
     verdict = select(SPRING, None, sprung, vary=["friction.*", "damping"])
     assert verdict.best.name == "coulomb"
@@ -494,6 +508,7 @@ def commanded(text, **values):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["voltage", "reference"])
 def test_the_torque_of_a_motor_follows_from_its_voltage_or_its_goal(command):
     record = commanded("level + viscous", kinetic_coefficient=0.05, viscous_coefficient=0.02)
@@ -505,6 +520,7 @@ def test_the_torque_of_a_motor_follows_from_its_voltage_or_its_goal(command):
     assert found["viscous_coefficient"].value == pytest.approx(0.02, rel=0.02)
 
 
+@pytest.mark.slow
 def test_friction_that_grows_with_the_torque_of_a_gear_is_named():
     record = commanded(
         "level + weight[transmitted] + viscous",
@@ -518,6 +534,7 @@ def test_friction_that_grows_with_the_torque_of_a_gear_is_named():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [0.2, 0.35, 0.6])
 def test_a_motor_constant_in_which_forces_are_not_linear_is_found(given):
     record = commanded("level + viscous", kinetic_coefficient=0.05, viscous_coefficient=0.02)
@@ -530,6 +547,7 @@ def test_a_motor_constant_in_which_forces_are_not_linear_is_found(given):
     )
 
 
+@pytest.mark.slow
 def test_constants_of_a_motor_that_act_as_viscous_friction_are_said_to():
     """Their ratio follows from the voltage; what the back EMF takes is as viscous friction."""
     record = commanded("level + viscous", kinetic_coefficient=0.05, viscous_coefficient=0.02)
@@ -549,6 +567,7 @@ def test_constants_of_a_motor_that_act_as_viscous_friction_are_said_to():
     )
 
 
+@pytest.mark.slow
 def test_mass_and_length_of_a_driven_pendulum_are_found_together():
     t = np.arange(0.0, 20.0, 0.005)
     q = 1.2 * np.sin(1.7 * t) + 0.5 * np.sin(4.1 * t + 1.0)
@@ -592,6 +611,7 @@ def test_a_controller_of_the_position_passes_for_no_force_and_no_delay(gain, mas
     assert found["kinetic_coefficient"].value == pytest.approx(level, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_cart_is_judged_by_what_its_pendulum_does_to_it():
     cart = PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pivot_stiffness=2.0, pivot_damping=0.02,
@@ -606,6 +626,7 @@ def test_a_cart_is_judged_by_what_its_pendulum_does_to_it():
     assert_holds(verdict, {"kinetic_coefficient": 0.18})
 
 
+@pytest.mark.slow
 def test_what_moves_inside_is_found_where_it_was_given_wrong():
     cart = PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pivot_stiffness=2.0, pivot_damping=0.02,
@@ -619,6 +640,7 @@ def test_what_moves_inside_is_found_where_it_was_given_wrong():
     assert_holds(verdict, {"kinetic_coefficient": 0.18, "length": 0.3})
 
 
+@pytest.mark.slow
 def test_a_cart_whose_friction_noise_hides_has_a_band_that_holds_it():
     swing = ThreePhase(amplitude=np.deg2rad(45), fast=120.0, slow=30.0)
     cart = PendulumCart(
@@ -636,6 +658,7 @@ def test_a_cart_whose_friction_noise_hides_has_a_band_that_holds_it():
     assert np.all((band.low <= true) & (true <= band.high))
 
 
+@pytest.mark.slow
 def test_pulses_of_both_signs_are_no_force_that_is_clipped():
     t = np.arange(0.0, 12.0, 0.005)
     at = t % 2.0
@@ -656,6 +679,7 @@ def test_pulses_of_both_signs_are_no_force_that_is_clipped():
     assert np.median((band.high - band.low) / np.abs(band.median)) < 0.05
 
 
+@pytest.mark.slow
 def test_a_drive_of_the_mechanism_needs_no_record_of_the_force():
     driven = Axis(inertia=2.0, drive=Sine(amplitude=20.0, frequency=0.8))
     t = np.arange(0.0, 8.0, 0.005)
@@ -692,6 +716,7 @@ def test_laws_drawn_from_the_verdict_of_a_record_lie_in_its_band(verdict):
     assert np.mean((at > band.low[0]) & (at < band.high[0])) > 0.9
 
 
+@pytest.mark.slow
 def test_another_record_is_foreseen_with_its_error_beside_that_of_plain_least_squares():
     dip = Stribeck(
         kinetic_coefficient=3.0, static_coefficient=6.0, stribeck_velocity=0.2,
@@ -714,6 +739,7 @@ def test_another_record_is_foreseen_with_its_error_beside_that_of_plain_least_sq
         verdict.predict(moved(dip))
 
 
+@pytest.mark.slow
 def test_in_one_direction_a_constant_force_is_said_to_be_in_the_level():
     t = np.arange(0.0, 8.0, 0.002)
     v = 0.3 + 0.2 * np.sin(2.1 * t) + 0.08 * np.sin(5.3 * t)
@@ -728,6 +754,7 @@ def test_in_one_direction_a_constant_force_is_said_to_be_in_the_level():
     assert not any("All motion is in one direction" in one for one in held.words.cannot_tell)
 
 
+@pytest.mark.slow
 def test_a_mass_is_found_from_trials_with_other_lengths():
     random, trials = np.random.default_rng(6), []
     t = np.arange(0.0, 10.0, 0.004)

@@ -54,6 +54,7 @@ def swinging(arm):
     return moved(arm, LAW, torque, noise=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("back", "sides"), [(0.0, 1), (1.0, 2)])
 def test_the_band_is_stated_where_the_body_moved(back, sides):
     t = np.arange(0.0, 12.0, 0.005)
@@ -72,6 +73,7 @@ def test_the_band_is_stated_where_the_body_moved(back, sides):
     assert ("and from" in verdict.words.lede) == bool(back)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rig", "gain", "said"),
     [
@@ -89,6 +91,7 @@ def test_what_was_given_wrong_is_said_in_words(rig, gain, said):
     assert 1.0 + size.low < (1.15 if gain == 1.0 else gain) < 1.0 + size.high
 
 
+@pytest.mark.slow
 def test_all_laws_that_are_counted_are_in_the_table():
     v = np.array([0.02, 0.05, 0.1, 0.2, 0.35, 0.5, -0.02, -0.05, -0.1, -0.2, -0.35, -0.5])
     noise = 0.15 * np.random.default_rng(4).normal(size=len(v))
@@ -152,6 +155,7 @@ def volts(tmp_path, *, header, said):
     return load_measurement(file, columns={"force": header}, **said)
 
 
+@pytest.mark.slow
 def test_a_force_in_volts_is_said_to_hold_what_the_speed_induces(tmp_path):
     for said in ({"gain": {"force": 0.5}, "units": {"force": "V"}}, {"gain": {"force": "0.5 N/V"},
                  "units": {"force": "V"}}, {"gain": {"force": 0.5}}):  # fmt: skip
@@ -170,6 +174,7 @@ def test_a_column_called_a_voltage_is_no_force_without_a_word(tmp_path):
     assert volts(tmp_path, header="F_V", said={"units": {"force": "N"}}).volts == ()
 
 
+@pytest.mark.slow
 def test_a_static_level_that_no_row_tells_is_said_to_be_open():
     t = np.arange(0.0, 8.0, 0.005)
     law = CoulombViscousStatic(
@@ -200,6 +205,7 @@ def decay(start, length=0.4):
     return t, run["theta"], run["omega"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [1.2, -0.6])
 def test_a_pendulum_of_which_only_the_rate_is_known_accuses_nothing(start):
     t, _, rate = decay(start)
@@ -276,6 +282,7 @@ def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
     assert swing_of(Measurement(time=t, position=t * np.exp(-0.1 * t))) is None
 
 
+@pytest.mark.slow
 def test_a_band_that_holds_an_offset_says_so():
     v = np.array([-0.9, -0.6, -0.3, -0.1, 0.1, 0.3, 0.6, 0.9])
     noise = 0.01 * np.random.default_rng(1).normal(size=len(v))
@@ -330,6 +337,7 @@ def test_cards_show_the_digits_of_their_intervals_and_what_they_are():
     assert " to " in level.aside
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("located", [True, False])
 def test_a_motor_that_swings_a_weight_is_proposed_as_a_pendulum(tmp_path, located):
     time, angle, torque = swinging(ARM)
@@ -407,6 +415,7 @@ def test_a_drift_is_what_friction_changes_by_over_a_table_in_newtons():
     assert " N at the first to " in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_block_that_stops_within_a_short_record_has_friction(seed):
     t = np.arange(96) / 60.0
@@ -432,6 +441,7 @@ def test_a_level_that_depends_on_a_temperature_is_stated_where_it_was_measured()
     assert low < 10.0 - 0.05 * 22.5 < high < low + 0.3
 
 
+@pytest.mark.slow
 def test_two_loads_are_answered_by_a_third_one():
     v, load = np.tile(np.geomspace(0.01, 1.0, 10), 2), np.repeat([20.0, 80.0], 10)
     noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=v.size)
@@ -444,6 +454,7 @@ def test_two_loads_are_answered_by_a_third_one():
     assert not any("third load" in sentence for sentence in three.words.measure_next)
 
 
+@pytest.mark.slow
 def test_a_body_without_friction_has_no_law_of_that_name():
     t = np.arange(0.0, 6.0, 0.002)
     force = 3.0 * np.sin(2.1 * t) + 2.0 * np.sin(5.3 * t)

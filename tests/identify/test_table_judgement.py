@@ -40,6 +40,7 @@ def judgement():
     return judged(stribeck)
 
 
+@pytest.mark.slow
 def test_intervals_and_bands_hold_the_truth_of_a_law_that_is_named():
     truth = {
         "kinetic_coefficient": 2.0, "static_coefficient": 3.5,
@@ -73,6 +74,7 @@ def test_a_jump_between_two_speeds_lies_in_the_band_wherever_it_is():
     assert np.median((band.high - band.low)[~gap]) < 0.2
 
 
+@pytest.mark.slow
 def test_a_far_reading_at_the_end_may_be_friction_beyond_a_jump():
     v = np.linspace(0.15, 1.5, 9)
 
@@ -90,6 +92,7 @@ def test_a_far_reading_at_the_end_may_be_friction_beyond_a_jump():
             assert inside > (0.9 if place < 0.25 else 0.85)  # there few draws jump so late
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shuffled", [False, True])
 def test_a_coefficient_that_changes_at_a_load_is_stated_and_the_law_is_as_close_as_it_says(
     shuffled,
@@ -194,6 +197,7 @@ def test_a_few_rows_in_random_order_are_seldom_said_to_be_in_order():
     assert count < 20  # 1 of 400 by chance, and several things may be in order
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_warming_is_found_where_loads_rise_and_speeds_are_shuffled_at_each(seed):
     random = np.random.default_rng(seed)
@@ -224,6 +228,7 @@ def test_a_bend_of_friction_over_an_input_is_in_the_band():
     assert np.median((band.high - band.low) / true) < 0.05
 
 
+@pytest.mark.slow
 def test_intervals_whichever_law_holds_have_the_laws_that_are_not_told_apart():
     v = np.linspace(0.06, 0.6, 22)
     read = 0.56 + 3.0 * v**0.52 + 0.012 * np.random.default_rng(4).normal(size=len(v))
@@ -234,6 +239,7 @@ def test_intervals_whichever_law_holds_have_the_laws_that_are_not_told_apart():
     assert exponent.high_any - exponent.low_any > exponent.high - exponent.low
 
 
+@pytest.mark.slow
 def test_a_joint_with_rows_at_rest_is_named_as_its_publishers_name_it():
     table, true = of_joint(np.random.default_rng(0))
     found = Judgement(TableProblem.of(AXIS, table))
@@ -361,6 +367,7 @@ def test_cells_of_many_runs_keep_the_speed():
     assert len(places.velocity) <= 250
 
 
+@pytest.mark.slow
 def test_days_that_differ_by_a_level_are_no_drift():
     v, random = np.linspace(0.1, 0.5, 5), np.random.default_rng(8)
     days = [
@@ -373,6 +380,7 @@ def test_days_that_differ_by_a_level_are_no_drift():
     np.testing.assert_allclose(law, 110.0 + 270.0 * v, rtol=0.04)
 
 
+@pytest.mark.slow
 def test_proportion_to_the_load_is_refined_no_further():
     load, v = np.repeat([6.0, 20.0, 60.0], 6), np.tile(np.geomspace(0.01, 0.5, 6), 3)
     noise = 0.02 * np.random.default_rng(2).normal(size=18)
@@ -405,6 +413,7 @@ def limits(v, friction):
     return found, [term for term in terms if term in ("clipping", "threshold")]
 
 
+@pytest.mark.slow
 def test_readings_below_a_threshold_of_the_sensor_are_not_zero_friction():
     v = np.geomspace(0.001, 1.0, 20)
     read = 0.2 + 6.0 * v + 0.03 * np.random.default_rng(12).normal(size=20)
@@ -417,6 +426,7 @@ def test_readings_below_a_threshold_of_the_sensor_are_not_zero_friction():
     assert found.known < 0.05  # without the threshold, .6
 
 
+@pytest.mark.slow
 def test_readings_at_the_limit_of_a_sensor_say_that_friction_is_more():
     random, held = np.random.default_rng(3), list[float]()
     for _ in range(2):
@@ -480,6 +490,7 @@ def test_two_levels_of_friction_and_zeros_are_no_rounding():
         assert step_of(readings, Frame.of(readings)) == 0.0
 
 
+@pytest.mark.slow
 def test_readings_at_both_limits_of_a_sensor_are_judged_beside_the_others():
     v = np.repeat(np.linspace(0.05, 1.0, 20), 2)
     v = np.concatenate([v, -v])

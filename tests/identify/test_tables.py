@@ -95,6 +95,7 @@ def test_the_band_that_holds_all_along_is_wider(verdict):
     assert (all_along.high - all_along.low > band.high - band.low).all()
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
     truth = {
         "kinetic_coefficient": 2.0, "static_coefficient": 3.5,
@@ -121,6 +122,7 @@ def test_friction_of_the_law_is_what_its_structure_predicts():
     np.testing.assert_allclose(force, verdict.named_curve(BOTH), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_table_seen_in_a_mirror_has_the_mirrored_band():
     v = np.concatenate([-SPEEDS[::-1], SPEEDS[::2]])
     read = table(lambda x: stribeck(x) + 0.3, v, seed=4)
@@ -140,6 +142,7 @@ def test_friction_in_other_units_scales_the_band(verdict):
     np.testing.assert_allclose(band.low, 1000.0 * expected.low, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.rounding
 def test_last_bits_of_the_readings_change_no_sentence(verdict):
     read = table(stribeck)
@@ -170,6 +173,7 @@ def test_an_outlier_is_said_and_hardly_counts():
     assert band.low[0] < 2.3 < band.high[0]
 
 
+@pytest.mark.slow
 def test_noise_alone_is_no_friction_and_as_much_friction_as_noise_is_some():
     pairs = []
     for seed in range(8):
@@ -201,6 +205,7 @@ def test_a_reading_in_another_unit_changes_no_law_and_no_error(row, value):
     assert band.high[0] - band.low[0] < 1.0
 
 
+@pytest.mark.slow
 def test_two_readings_in_another_unit_change_no_law():
     v = np.geomspace(0.002, 0.4, 9)
     friction = 4.0 + 3.0 * v + 0.05 * np.random.default_rng(3).normal(size=9)
@@ -223,6 +228,7 @@ def test_an_outlier_anywhere_does_not_change_the_law_and_is_said(row):
         assert parameter.low <= true <= parameter.high
 
 
+@pytest.mark.slow
 def test_a_reading_alone_at_an_end_may_be_friction():
     v = np.linspace(0.05, 1.0, 12)
     friction = 4.0 + 6.0 * v + 0.05 * np.random.default_rng(3).normal(size=12)
@@ -258,6 +264,7 @@ def test_noise_in_proportion_to_friction_is_seen_and_weighs_the_readings():
     assert 9.8 < slope.low < slope.high < 10.2
 
 
+@pytest.mark.slow
 def test_five_parameters_of_nine_readings_make_no_outliers():
     random = np.random.default_rng(88)
     v = np.geomspace(3e-6, 0.03, 9)
@@ -360,6 +367,7 @@ def test_a_level_at_usual_inputs_needs_no_draws_of_every_parameter(monkeypatch):
     assert other.partition("(")[0] == sentence.partition("(")[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copied", [np.repeat, np.tile])
 def test_copies_of_readings_say_nothing_of_the_noise(copied):
     v, noise = np.array([0.01, 0.03, 0.1, 0.3, 1.0]), np.random.default_rng(14).normal(size=5)
@@ -371,6 +379,7 @@ def test_copies_of_readings_say_nothing_of_the_noise(copied):
     np.testing.assert_allclose([band.low, band.high], [once.low, once.high], rtol=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("step", "repeated"), [(0.1, 5), (1e-9, 2)], ids=["rounded", "few"])
 def test_equal_repeats_are_no_copies_where_they_are_rounded_or_few(step, repeated):
     v = np.array([0.01, 0.03, 0.1, 0.3, 1.0])
@@ -405,6 +414,7 @@ def test_a_surplus_over_speed_and_load_is_called_so():
     assert any("not in proportion to the load" in line for line in verdict.words.cannot_tell)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("surplus", [0.0, 0.4])
 def test_the_exponent_of_the_load_is_a_parameter(surplus):
     load = np.tile([5.0, 10.0, 20.0], 8)
@@ -443,6 +453,7 @@ def test_a_drift_in_the_order_of_measuring_is_named_where_the_order_tells_it():
     assert said.startswith("Friction rises over the readings, from 2.2")
 
 
+@pytest.mark.slow
 def test_advice_that_is_followed_narrows_the_band():
     v, gains = np.geomspace(0.01, 1.0, 40), []
     for seed in range(5):
@@ -464,6 +475,7 @@ def test_advice_that_is_followed_narrows_the_band():
     assert np.median(gains) < 0.9
 
 
+@pytest.mark.slow
 def test_two_temperatures_and_loads_leave_friction_to_be_seen():
     v, load, warm = (
         x.ravel() for x in np.meshgrid(np.geomspace(0.01, 1.0, 8), (10.0, 30.0), (20.0, 60.0))
@@ -503,6 +515,7 @@ def test_too_few_readings_are_refused():
         select(AXIS, None, few)
 
 
+@pytest.mark.slow
 def test_second_tables_of_the_same_friction_lie_in_the_band():
     v = np.geomspace(0.02, 0.8, 20)
     inside = [
@@ -727,6 +740,7 @@ def test_steady_readings_with_times_are_the_table_that_they_are_without(pause):
     np.testing.assert_array_equal(timed.band(speeds).low, plain.band(speeds).low)
 
 
+@pytest.mark.slow
 def test_a_table_of_any_number_of_rows_and_loads_takes_little_memory():
     random, count = np.random.default_rng(1), 20_000
     v = np.exp(random.uniform(np.log(1e-4), np.log(1e-2), count))
@@ -744,6 +758,7 @@ def test_a_table_of_any_number_of_rows_and_loads_takes_little_memory():
         assert np.all(band.high - band.low < 0.1 * truth)
 
 
+@pytest.mark.slow
 def test_a_tolerance_allows_a_shorter_law_and_has_a_range():
     read = table(lambda v: 2.0 + 0.3 * v + 0.06 * np.sin(2.0 * np.log(v)), noise=0.01, seed=2)
     exact = select(AXIS, None, read)
@@ -779,6 +794,7 @@ def test_no_laws_are_refused():
         select(AXIS, [], table(stribeck))
 
 
+@pytest.mark.slow
 def test_levels_of_a_torque_over_a_load_are_lengths():
     v, load = np.tile(np.geomspace(0.1, 30.0, 8), 3), np.repeat([100.0, 200.0, 400.0], 8)
     torque = 0.002 * load + 0.01 * v + 0.005 * np.random.default_rng(1).normal(size=24)
@@ -840,6 +856,7 @@ def test_stated_errors_of_readings_are_in_the_band(share, half):
     assert own == pytest.approx(half, rel=0.5)
 
 
+@pytest.mark.slow
 def test_an_input_that_changes_from_run_to_run_only_is_not_told_from_runs():
     rng = np.random.default_rng(5)
     v = np.geomspace(0.01, 1.0, 10)
@@ -871,6 +888,7 @@ def test_another_table_may_be_off_by_as_much_as_friction_drifts():
     assert verdict.inside > 0.9
 
 
+@pytest.mark.slow
 def test_an_input_may_have_any_unit():
     # effects of a pressure had prior sizes by 10 Pa, which left friction open by 39 %
     random, v = np.random.default_rng(3), np.tile([2.0, 6.0, 11.0, 17.0, 25.0, 33.0], 4)
@@ -939,6 +957,7 @@ def test_levels_that_no_speed_shows_are_open(fall):
     assert surplus.low < 9.0 < surplus.high
 
 
+@pytest.mark.slow
 def test_coefficients_without_a_load_are_stated_at_one_newton(tmp_path):
     mu = [0.241, 0.229, 0.222, 0.212, 0.205, 0.201]
     v = [0.01, 0.03, 0.1, 0.2, 0.3, 1.0]

@@ -13,6 +13,8 @@ from stickslip.identify import FurtherPlan
 from stickslip.identify.problems.table_model import Rows
 from stickslip.identify.selection import _settable, with_readings
 
+pytestmark = pytest.mark.slow
+
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.tile(np.geomspace(0.01, 0.3, 6), 3)
 LOADS = np.repeat([10.0, 20.0, 40.0], 6)

@@ -447,6 +447,7 @@ def rock(data_dir):
     )
 
 
+@pytest.mark.slow
 def test_of_the_rock_only_the_difference_of_a_and_b_is_known(rock):
     found = fitted(rock, after=120e-6, drift="none")  # as the published fit is made
     # published fit: 0.0157, b about 0
@@ -459,6 +460,7 @@ def test_of_the_rock_only_the_difference_of_a_and_b_is_known(rock):
         assert any("larger and smaller ones" in line for line in one.sentences)
 
 
+@pytest.mark.slow
 def test_the_whole_rock_record_has_the_difference_of_its_levels_where_nothing_drifts(rock):
     found = fitted(rock, drift="none")
     t, mu = rock.time - rock.time[0], rock.friction
@@ -616,6 +618,7 @@ def test_what_is_fixed_is_held_and_the_rest_is_found():
     assert [e.quantity.symbol for e in held.estimates] == ["mu_0"]
 
 
+@pytest.mark.slow
 def test_forces_at_a_load_give_the_coefficients_and_a_stiffness_in_newtons_per_metre():
     one = record(law(), noise=3e-4)
     ten = Measurement(time=one.time, pull=one.pull, friction=10.0 * one.friction)

@@ -78,6 +78,7 @@ def verdicts():
     return verdict_on
 
 
+@pytest.mark.slow
 @each_truth
 def test_three_steps_name_the_law_that_made_them(verdicts, name):
     named(verdicts(name), name)
@@ -97,6 +98,7 @@ def named(verdict, name):
     assert verdict.words.cannot_tell
 
 
+@pytest.mark.slow
 def test_the_wrong_form_of_evolution_leaves_far_more_than_the_noise():
     # a step down tells the two apart: the state of the slip law evolves with slip alone
     record = pulled(law(), ([0.0, 5.0, 10.0, 50.0], [0.0, 5.0, 55.0, 95.0]))
@@ -183,6 +185,7 @@ def test_a_pull_that_holds_has_its_first_moving_speed_and_no_step_again(first):
     assert begun == again == pytest.approx(1e-6)
 
 
+@pytest.mark.slow
 def test_a_step_again_is_expected_to_tell_less_than_one_to_another_speed(verdicts):
     verdict = verdicts("rate-and-state")
     left = {(x.name, x.value): x.expected_width for x in verdict.advised}
@@ -191,6 +194,7 @@ def test_a_step_again_is_expected_to_tell_less_than_one_to_another_speed(verdict
     assert verdict.advised[0].expected_width < left["speed", again]
 
 
+@pytest.mark.slow
 def test_a_curved_trend_is_no_constant_coefficient():
     record = pulled(law(**TRUTHS["constant-coefficient"]))
     way = record.pull / record.pull[-1]
@@ -224,6 +228,7 @@ def test_a_selection_of_one_law_is_its_fit(verdicts):
     assert [e.to_dict() for e in alone.fit.estimates] == [e.to_dict() for e in fit.estimates]
 
 
+@pytest.mark.slow
 def test_a_stopped_selection_goes_on_with_the_best_so_far():
     told = []
     verdict = select(

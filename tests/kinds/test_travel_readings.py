@@ -476,6 +476,7 @@ def test_laws_are_compared_by_travels_with_the_mechanism_as_given():
         select(pushed(85.0, 0.5, 3.0), None, speeds(6), vary=TOLD, t_end=2.0)
 
 
+@pytest.mark.slow
 def test_a_level_above_the_static_one_that_a_law_starts_with_is_found():
     """Stribeck friction starts with a static level of .35, and this capsule has one of .5."""
     travels = {}

@@ -312,6 +312,7 @@ def test_draws_meet_the_readings_that_they_were_drawn_by(viscous):
     assert np.array_equal(first, again)  # nothing is left to chance
 
 
+@pytest.mark.slow
 def test_proposals_of_a_law_are_simulated_once_for_any_number_of_draws(monkeypatch):
     judgement = driven(Coulomb(kinetic_coefficient=0.2)).judgement
     few = judgement.drawn("coulomb", 40)
@@ -327,16 +328,21 @@ def test_laws_that_travels_do_not_determine_are_refused_as_mechanisms():
 
 
 @pytest.mark.parametrize(
-    ("settings", "said"),
+    ("settings", "uncertainty", "said"),
     [
-        ((0.05, 0.12), "from them, where 0.1 mm is stated: check"),  # too few for a curve
-        ((0.05, 0.08, 0.12), "predicts held-out settings worse than a curve over the setting"),
+        ((0.05, 0.12), "0.1 mm", "from them, where 0.1 mm is stated: check"),  # no curve
+        ((0.05, 0.08, 0.12), "0.1 mm", "from them, where 0.1 mm is stated: check"),
+        (
+            tuple(np.linspace(0.05, 0.12, 8)),
+            "4 mm",
+            "predicts held-out settings worse than a curve over the setting",
+        ),
     ],
 )
-def test_settings_that_are_off_are_explained_by_no_law(settings, said):
+def test_settings_that_are_off_are_explained_by_no_law(settings, uncertainty, said):
     law = Coulomb(kinetic_coefficient=0.3)
     trials = [
-        Measurement(travel=travel(law, x + 0.01), uncertainty=1e-4, overrides={PATH: x})
+        Measurement(travel=travel(law, x + 0.01), uncertainty=uncertainty, overrides={PATH: x})
         for x in settings
     ]
     verdict = select(BLOCK, ["coulomb"], Measurement(trials=trials))
@@ -344,7 +350,6 @@ def test_settings_that_are_off_are_explained_by_no_law(settings, said):
     assert not verdict.ranked
     assert verdict.sentence.startswith("No law compared explains these travels; the closest, ")
     assert said in verdict.sentence
-    assert ("0.1 mm is stated" in verdict.sentence) == (len(settings) < 3)
     assert not verdict.intervals[0].bounded  # of a law that does not hold
     assert select(BLOCK, ["coulomb"], readings(law, settings=settings)).best is not None
 
@@ -398,6 +403,7 @@ def driven(law):
     return select(capsule(8.0), ["coulomb"], films(FILMED, law), t_end=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [
@@ -425,6 +431,7 @@ def test_the_band_of_a_driven_body_has_the_error_that_its_laws_leave(law):
     assert len(verdict.settings) > 50
 
 
+@pytest.mark.slow
 def test_repeats_of_a_setting_say_nothing_of_the_error_at_others():
     law, rig = CoulombViscous(kinetic_coefficient=0.18, viscous_coefficient=0.5), capsule(8.0)
     alone = driven(law).judgement

@@ -441,6 +441,7 @@ def test_a_certificate_tells_how_near_the_cart_came_to_lifting_off():
     assert taller.certificate.margins["lift-off"] == 0.0
 
 
+@pytest.mark.slow
 def test_every_number_of_every_profile_varies_alike_in_ensembles_and_in_single_runs():
     profiles = [
         replace(SWING, last=20.0),

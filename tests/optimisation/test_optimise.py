@@ -51,6 +51,7 @@ def speed_within_rate(rate, acceleration, coefficient):
     return way / (2.0 * rate * (1.0 / acceleration + SHARE / a))
 
 
+@pytest.mark.slow
 def test_the_optimum_of_the_closed_form_is_reached_within_the_limit():
     known = speed_within_rate(0.2, 50.0, 0.2)
     ends = {**STROKES, PROFILE + "fast": (20.0, 50.0)}
@@ -75,6 +76,7 @@ def test_a_limit_of_the_acceleration_is_that_of_the_profile():
     assert margin.reached == pytest.approx(best.best.parameters[PROFILE + "fast"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_capsule_that_a_force_drives_is_optimised():
     best = optimise(PUSHED, LAW, GAPS, evaluations=60, limits={"xi": 0.05})
     assert best.value > 3.0 * best.start.goals["speed"] > 0.0

@@ -20,6 +20,8 @@ from stickslip.paper import printed as misprints
 from stickslip.paper.printed import STIFFNESS
 from stickslip.paper.rigs import CYCLES
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def found():

@@ -270,6 +270,7 @@ def test_the_page_says_what_is_ours_and_shows_both_figures(page):
     assert ">nan<" not in page.lower()
 
 
+@pytest.mark.slow
 def test_masses_and_swing_that_are_given_are_those_of_the_runs():
     swing = replace(SWING, amplitude=math.radians(40.0), slow=25.0)
     cart = replace(CART, cart_mass=0.4, pendulum=Prescribed(profile=swing))

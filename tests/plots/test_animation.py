@@ -498,6 +498,7 @@ def test_the_animation_ends_some_time_after_the_body_has_arrived():
     assert stop < last < 2 * stop
 
 
+@pytest.mark.slow
 def test_a_page_has_the_animation_bounded_and_a_still_for_print(runs):
     run, mechanism = runs["pendulum"], CASES["pendulum"][0]
     settings = {"alt": 'A "clock"', "fps": 20, "until": 1.0, "size": SMALL}

@@ -279,6 +279,7 @@ def agrees(setup: Setup, law: FrictionLaw) -> None:
     assert max(errors.values()) <= limit(law), errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("setup", "law"), list(cases()))
 def test_a_run_agrees_with_taylor_series(setup, law):
     agrees(setup, law)

@@ -218,6 +218,7 @@ def test_a_disk_that_is_full_leaves_nothing_behind_and_is_no_obstacle(cache, mon
     assert value() == 3.0
 
 
+@pytest.mark.slow
 def test_two_processes_at_once_leave_one_whole_file_each(cache):
     runs = [
         subprocess.Popen(

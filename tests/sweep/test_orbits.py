@@ -244,6 +244,7 @@ def test_multipliers_change_by_the_root_of_the_depth_at_a_soft_stop_that_is_touc
     assert "unstable behind; a run behind ends in another motion, which" in event.sentence
 
 
+@pytest.mark.slow
 def test_a_branch_goes_on_behind_the_points_at_which_another_crosses():
     """A mass between equal stops, in a capsule that rests: what is symmetric loses stability."""
     stop = SoftStop(place=1e-3, stiffness=600.0)
@@ -857,6 +858,7 @@ def test_starts_of_an_orbit_diagram_do_not_grow_with_what_has_not_settled():
     assert np.nanmax(np.abs(found.samples)) < 50.0  # it is 6.4; 310 if starts are of unsettled runs
 
 
+@pytest.mark.slow
 def test_a_walk_ends_where_every_step_changes_what_happens():
     """Branches of rest and of slip lie side by side here, each a step behind the other."""
     square = Square(high=0.2, low=-0.2, period=0.125, duty=0.5)

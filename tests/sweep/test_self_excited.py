@@ -220,6 +220,7 @@ def test_a_branch_ends_where_its_cycle_shrinks_to_steady_sliding():
     assert branch.values[-1] == pytest.approx(hopf_of(0.5), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_folds_of_cycles_end_where_the_square_of_the_cycle_tells_no_side():
     sticking, fold = branch_over_viscous(0.5).events
     paths, box = ("mechanism.speed", VISCOUS), ((0.2, 2.0), (0.01, 1.0))

@@ -103,6 +103,7 @@ def test_pendulum_cart_moves_on_as_published_checks_say():
     assert found.velocity[0] == pytest.approx(0.0634659 / 0.72360, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_mirrored_capsule_moves_the_other_way_as_fast():
     axis = {FREQUENCY: [3.5, 5.0]}
     law = Coulomb(kinetic_coefficient=0.05)
@@ -222,6 +223,7 @@ def test_a_body_that_stops_moving_does_not_turn():
     assert line([1, 2, 3], [1.0, 0.0, 0.0]).reversals().size == 0
 
 
+@pytest.mark.slow
 def test_grids_have_a_dimension_for_each_axis_and_a_row_for_each_point():
     drive = Sine(amplitude=4.0, frequency=1.0)
     found = average_velocity(
@@ -384,6 +386,7 @@ def test_results_are_frozen():
         found.unit = "m"
 
 
+@pytest.mark.slow
 def test_a_band_of_velocities_holds_the_laws_and_their_errors():
     law = Coulomb(kinetic_coefficient=0.2)
     stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")

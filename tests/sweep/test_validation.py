@@ -64,6 +64,8 @@ def test_no_executor_changes_what_is_said(measured):
     assert own.to_dict() == other.to_dict()
 
 
+@pytest.mark.slow
+@pytest.mark.rounding
 def test_a_tenth_more_friction_is_seen_and_the_refit_names_it():
     measured = record(0.22)
     seen = validated(measured)
@@ -86,6 +88,7 @@ def test_the_zero_of_an_encoder_says_nothing_of_friction():
     assert "Origin of the position: 50" in " ".join(moved.sentences())
 
 
+@pytest.mark.slow
 def test_a_late_record_does_not_agree_and_its_shift_is_found():
     measured = record(late=0.03)
     seen = validated(measured)

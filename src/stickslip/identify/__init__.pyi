@@ -4,6 +4,7 @@ from stickslip.identify import kinds as kinds
 from stickslip.identify.bands import Foreseen as Foreseen
 from stickslip.identify.bands import Interval as Interval
 from stickslip.identify.bands import PredictionBand as PredictionBand
+from stickslip.identify.bands import RunCertificate as RunCertificate
 from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.candidates import Wording as Wording
 from stickslip.identify.criteria import Criteria as Criteria
@@ -75,6 +76,7 @@ __all__ = [
     "LawFit",
     "Plan",
     "PredictionBand",
+    "RunCertificate",
     "SimulatedFit",
     "SimulatedVerdict",
     "TravelFit",

@@ -1,12 +1,14 @@
-"""Bands of curves and intervals of parameters, as quantiles of draws."""
+"""What verdicts state of draws and runs: bands, intervals of parameters, certificates."""
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.show.described import Described
 from stickslip.show.display import Tabular
 from stickslip.show.formatting import percent, quantity
 
@@ -177,3 +179,109 @@ def correlation_of(values: Array) -> Array:
     centred = values - values.mean(axis=1, keepdims=True)
     centred = centred / np.where(spread > 0.0, spread, 1.0)[:, None]
     return np.asarray(centred @ centred.T / values.shape[1])
+
+
+# A run of what a verdict hands over (`stickslip.identify.certificate`).
+
+FOLLOWED = 0.1
+"""Error of a run, over the spread of the motion, up to which it follows."""
+BEATEN = 1.25
+"""Error over that of plain friction, and over that expected, from which plain is better."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stretch:
+    """A part of the record that was run."""
+
+    time: Array
+    """Times (n,) [s]."""
+    measured: Array
+    """Measured and smoothed positions (n,) [m] or [rad]; velocities where none were measured."""
+    simulated: Array
+    """The same with the law and mechanism handed over (n,)."""
+    plain: Array
+    """The same with Coulomb + viscous friction by least squares (n,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunCertificate(metaclass=Described):
+    """How closely a run of the law and mechanism of a verdict follows the measured motion."""
+
+    run_error: float
+    """Error of the run, over the spread of the position in a stretch [1]; infinite if it fails."""
+    plain_error: float
+    """The same of Coulomb + viscous friction by least squares [1]."""
+    expected_error: float
+    """95 % quantile of the error that the posterior expects [1]; NaN without draws."""
+    friction_work: float
+    """Share of the work that the named friction takes [1]: 1 where only friction takes energy."""
+    duration: float
+    """Length of a stretch that was run [s]; of a free motion all of it."""
+    stretches: tuple[Stretch, ...] = field(repr=False, compare=False)
+    """What was run."""
+    motion: tuple[tuple[Array, Array], ...] = field(repr=False, compare=False)
+    """Times [s] and smoothed positions [m] or [rad] of each piece of the records."""
+    is_whole: bool = False
+    """Whether a free motion was run whole."""
+
+    @property
+    def typical(self) -> Stretch:
+        """A stretch whose run is neither among the best nor among the worst."""
+        squares = [float(np.mean((x.simulated - x.measured) ** 2)) for x in self.stretches]
+        return self.stretches[int(np.argsort(squares)[len(squares) // 2])]
+
+    @property
+    def is_beaten(self) -> bool:
+        """Whether Coulomb + viscous friction follows better, beyond the doubt of the run.
+
+        A doubt of more than `FOLLOWED` excuses no run: what is simulated with it is wrong.
+        """
+        known = max(self.plain_error, min(np.nan_to_num(self.expected_error), FOLLOWED))
+        return bool(self.run_error > BEATEN * known)
+
+    @property
+    def warning(self) -> str:
+        """What to say first if plain friction follows the motion better; empty if not."""
+        if not self.is_beaten:
+            return ""
+        own = error_text(self.run_error)
+        return (
+            f"! {self._run}, Coulomb + viscous friction by least squares follows the motion better"
+            f" ({error_text(self.plain_error)} of its spread; this law and mechanism {own}): the"
+            " curve holds for the measured force, do not simulate with it."
+        )
+
+    @property
+    def _run(self) -> str:
+        return "Run from its start" if self.is_whole else "Run with the recorded force"
+
+    def __str__(self) -> str:
+        """Return the certificate in a sentence."""
+        work = ""
+        if math.isfinite(self.friction_work):
+            work = f"; friction takes {percent(self.friction_work)} of the work"
+        return (
+            f"{self._run}, this law and mechanism follow the motion to"
+            f" {error_text(self.run_error)} over {quantity(self.duration, 's', 2)} (Coulomb +"
+            f" viscous by least squares: {error_text(self.plain_error)}){work}."
+        )
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the certificate as plain numbers; None for what is not known."""
+        names = ("run_error", "plain_error", "expected_error", "friction_work", "duration")
+        values = {name: float(getattr(self, name)) for name in names}
+        known = {name: x if math.isfinite(x) else None for name, x in values.items()}
+        return {**known, "plain_is_better": bool(self.is_beaten)}
+
+
+def error_text(error: float) -> str:
+    """Return the error of a run, over the spread of the motion.
+
+    Examples
+    --------
+    >>> error_text(0.0142), error_text(2.0), error_text(1e-6)
+    ('1.4 %', 'more than 100 %', 'less than 0.1 %')
+    """
+    if error < 1e-3:
+        return "less than 0.1 %"
+    return percent(error) if error <= 1.0 else "more than 100 %"

@@ -336,7 +336,11 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
 
     @final
     def _summary(self) -> Summary:
-        return summary_of_table(self.sentence, self.to_dataframe())
+        return summary_of_table(self.sentence, self.to_dataframe(), self._notes())
+
+    def _notes(self) -> Sequence[str]:
+        """Return what a notebook and a terminal say below the candidates."""
+        return ()
 
     @final
     def __repr__(self) -> str:

@@ -112,11 +112,17 @@ def held_power(terms: Collection[str], varied: Collection[str]) -> Family:
 
 def untold_states(law: type[FrictionLaw], held: Collection[str] = ()) -> NotToldError:
     """Return why a law with states, some parameters `held`, is not fitted."""
-    parts = law.composition.parts() if law.composition is not None else ()
-    if not {*REMEMBERED} & {*map(str, parts)}:
+    parts = [*map(str, law.composition.parts())] if law.composition is not None else []
+    others = [part for part in parts if part not in (*REMEMBERED, *PARTS_OF_LAWS, *IGNORED)]
+    if not {*REMEMBERED} & {*parts}:
         cause = (
             "has states that no measurement tells here. Records of a force in time tell Dahl and"
             " LuGre friction: fit one of these, or a law without states."
+        )
+    elif others:
+        cause = (
+            f"has states, which fits do not follow beside {joined(others)}: fit Dahl or LuGre"
+            " friction to records where that stays as it is, or a law without states."
         )
     elif held:
         cause = (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.identify.bands import ALIKE, Array, MeasuredPoints, PredictionBand
+from stickslip.identify.bands import ALIKE, Array, MeasuredPoints, PredictionBand, RunCertificate
 from stickslip.show.formatting import number, scale_of
 from stickslip.show.plots import C1, C3, DATA, MAP_SIZES, on_axes
 
@@ -25,6 +25,11 @@ LETTERS = 36
 """Letters of a line of the legend."""
 MARKERS = ("o", "s", "^", "D")
 """Marks of the loads, which are as many at most."""
+
+PAST, PART = 0.6, 0.1
+"""Share of a whole motion at which its enlarged part begins, and its length."""
+MOST_POINTS = 2000
+"""Points of a record that are drawn, about."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,6 +60,41 @@ def draw_band(what: BandDrawing) -> "Draw":
 
     def draw(figure: "Figure", narrow: bool) -> None:
         _draw_on(figure.add_subplot(), what, narrow)
+
+    return draw
+
+
+def draw_run(seen: RunCertificate, unit: str) -> "Draw":
+    """Return a drawing of measured and simulated positions over time, one stretch enlarged."""
+    factor, shown = scale_of([float(np.max(np.abs(x))) for _, x in seen.motion], unit)
+    large, part = seen.typical, slice(None)
+    if seen.is_whole:  # a part past the middle, where a run has had time to go astray
+        part = slice(int(PAST * len(large.time)), int((PAST + PART) * len(large.time)) + 2)
+    look: dict[str, dict[str, Any]] = {
+        "measured": {"color": DATA, "linewidth": 3.5, "alpha": 0.4},
+        "plain": {"color": C3, "linewidth": 1.0, "linestyle": (0, (4, 3))},
+        "simulated": {"color": C1, "linewidth": 1.2},
+    }
+    names = {"measured": "measured", "plain": "Coulomb + viscous by least squares",
+             "simulated": "this law and mechanism, run"}  # fmt: skip
+
+    def draw(figure: "Figure", narrow: bool) -> None:
+        left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
+        for time, x in seen.motion:
+            every = max(len(time) // MOST_POINTS, 1)
+            left.plot(time[::every], factor * x[::every], **look["measured"])
+        for item in seen.stretches:
+            left.plot(item.time, factor * item.simulated, **look["simulated"])
+        left.axvspan(*large.time[part][[0, -1]].tolist(), color=C3, alpha=0.15, linewidth=0)
+        for name, label in names.items():
+            values = factor * getattr(large, name)[part]
+            right.plot(large.time[part], values, label=label, **look[name])
+        for axes in (left, right):
+            axes.grid(axis="y")
+            axes.set_xlabel("time, s")
+            axes.set_ylabel(f"{'velocity' if unit.endswith('/s') else 'position'}, {shown}")
+        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False}
+        right.legend(ncols=1, fontsize="small", **place)
 
     return draw
 

@@ -221,6 +221,7 @@ def _looked_for(
     for path in looked:
         share = 1.0 if linear else NEAR
         first = firsts[path] if linear else changed(share, path)
+        first[np.abs(first) <= least] = 0.0
         slope = first / (share * steps[path])
         own = ranges[path]
         low, high = own.low if own.above is None else max(own.low, own.above), own.high

@@ -46,7 +46,12 @@ from stickslip.identify.fits import (
 )
 from stickslip.identify.fitting import NoLawError, fitted_law
 from stickslip.identify.joint_request import JOINTS, JointRequest, suspected
-from stickslip.identify.page import figure_section, laws_section, parameters_section
+from stickslip.identify.page import (
+    figure_section,
+    laws_section,
+    parameters_section,
+    run_section,
+)
 from stickslip.identify.problems.joint_motions import joint_record, resting_of
 from stickslip.identify.problems.joints import JointRecords, Links
 from stickslip.identify.problems.links import JointBalances, told_links
@@ -705,6 +710,7 @@ def joint_sections(verdict: JointVerdict, origin: Origin, remark: str) -> tuple[
 def joint_section(name: str, verdict: BandVerdict, number: int) -> Section:
     """Return the band, the laws and the parameters of one joint."""
     parts = (
+        run_section(verdict, prefix=f"joint-{number}-run"),
         figure_section(verdict, prefix=f"joint-{number}"),
         laws_section(verdict, with_caption=number == 1),
         parameters_section(verdict, with_caption=number == 1),

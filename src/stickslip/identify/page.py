@@ -3,7 +3,7 @@
 from functools import partial
 
 from stickslip.identify.candidates import Verdict
-from stickslip.identify.figures import BandDrawing, draw_band
+from stickslip.identify.figures import BandDrawing, draw_band, draw_run
 from stickslip.identify.fits import Estimate
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.ladder import ladder_rows
@@ -38,7 +38,8 @@ from stickslip.show.report import (
 
 def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of the page of a verdict with a band."""
-    middle = partial(figure_section, verdict), partial(laws_section, verdict)
+    run = partial(run_section, verdict)
+    middle = run, partial(figure_section, verdict), partial(laws_section, verdict)
     return sections_of(verdict, origin, remark, *middle)
 
 
@@ -87,6 +88,22 @@ def facts(verdict: Verdict) -> list[Fact]:
         aside = interval(every.low, every.high)
         result.append(Fact(value=value, what=what, aside=aside))
     return result[:MOST]
+
+
+def run_section(verdict: BandVerdict, prefix: str = "run") -> Section | None:
+    """Return the figure of the motion as measured and as simulated; None where none was run."""
+    seen = verdict.certificate
+    if seen is None:
+        return None
+    own = verdict.measurement
+    by_speed = seen.is_whole and "position" not in own.quantities()
+    unit = own.unit("velocity" if by_speed else "position")
+    svg = inline_svg(
+        draw_run(seen, unit), alt="Measured and simulated motion over time, one stretch enlarged",
+        prefix=f"{prefix}-figure", **MAP_SIZES,
+    )  # fmt: skip
+    block = Figure(svg=svg, caption=f"**Motion.** {seen} Shaded: the stretch that is enlarged.")
+    return Section(id="run", nav="Run", heading="The motion, measured and run", blocks=(block,))
 
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:

@@ -21,6 +21,7 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.identify.bands import Array, Foreseen
+from stickslip.identify.certificate import certificate_of
 from stickslip.identify.compared import LawsToCompare, laws_for, laws_to_compare, with_own_laws
 from stickslip.identify.fits import (
     Hold,
@@ -587,7 +588,7 @@ def record_verdict(
         next_.append(again_sentence(*bands, widths, problem.runs, words.force_unit))
     elif second is None and widths:
         next_.append(NO_RECORDS)
-    return ladder_verdict(
+    verdict = ladder_verdict(
         judgement,
         mechanism,
         measurement,
@@ -603,6 +604,23 @@ def record_verdict(
         foreseen=None if other is None else foreseer(other),
         remarks=said,
     )
+    return certified(verdict)
+
+
+def certified(verdict: BandVerdict) -> BandVerdict:
+    """Return a verdict with a run of what it hands over, and what is to be said of that."""
+    seen, words = certificate_of(verdict.judgement, verdict.mechanism), verdict.words
+    if seen is None:
+        return verdict
+    if isinstance(seen, str):
+        return replace(verdict, words=replace(words, cannot_tell=(*words.cannot_tell, seen)))
+    warned = [seen.warning] * (verdict.best is not None and seen.is_beaten)
+    said = replace(
+        words,
+        verdict=" ".join((*warned, words.verdict)),
+        lede=f"{words.lede} {seen}",
+    )
+    return replace(verdict, certificate=seen, words=said)
 
 
 def run_sentences(

@@ -20,7 +20,7 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand
+from stickslip.identify.bands import LEVEL, Foreseen, Interval, PredictionBand, RunCertificate
 from stickslip.identify.candidates import Candidate, JudgedFit, Verdict, score_scale
 from stickslip.identify.fits import (
     Estimate,
@@ -203,6 +203,9 @@ class BandVerdict(Verdict[LawCandidate]):
     """Velocities that are proposed [m/s] or [rad/s]."""
     conditions: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Loads [N] and inputs of the contact [SI] at these, by name, where several were measured."""
+    certificate: RunCertificate | None = None
+    """How closely a run of law and mechanism follows the measured motion; None without a motion
+    that a known force drives, such as of a table."""
 
     @property
     def route(self) -> str:
@@ -455,6 +458,9 @@ class BandVerdict(Verdict[LawCandidate]):
         """
         return self.judgement.sampled(count, seed)
 
+    def _notes(self) -> Sequence[str]:
+        return [str(self.certificate)] if self.certificate else []
+
     def _details(self) -> Mapping[str, Any]:
         return {
             "explained": self.explained,
@@ -471,6 +477,7 @@ class BandVerdict(Verdict[LawCandidate]):
                 **{name: list(values) for name, values in self.conditions.items()},
                 "band_shrinks_to": self.shrinks,
             },
+            "certificate": self.certificate and self.certificate.to_dict(),
             "inside_second": None if self.foreseen is None else self.inside,
             "error_second": None if self.foreseen is None else self.foreseen.error,
         }

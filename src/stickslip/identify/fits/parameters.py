@@ -221,6 +221,8 @@ class FreeParameter:
     """Largest value looked at."""
     log: bool = False
     """Whether its order of magnitude is what is looked for."""
+    size: float = 0.0
+    """Usual size of one that may be next to 0, a share of which moves it for slopes."""
 
     def limits(self) -> tuple[float, float]:
         """Return the bounds as the optimiser sees them."""

@@ -734,6 +734,7 @@ class TravelVerdict(SimulatedVerdict):
             "odds_of_friction": None,
             "outliers": {},
             "measure_at": {"setting": list(self.places), "band_shrinks_to": self.shrinks},
+            "certificate": None,
             "inside_second": None,
             "error_second": None,
         }  # fmt: skip
@@ -966,8 +967,8 @@ class TravelKind(SimulatedKind):
         judgement: TravelJudgement = fit.problem.judgement
         left, stated = (float(np.median(x)) for x in (judgement.errors, judgement.least_errors))
         is_far = judgement.misfit
-        if fit.problem.alone and judgement.stated and not judgement.explained:
-            left = max(left, fit.family.rms)  # of one law that was chosen, not what a curve leaves
+        if judgement.stated and not judgement.explained:
+            left = max(left, fit.family.rms)  # of the law that is closest, not what a curve leaves
             is_far = left > THRESHOLDS.misfit * stated
         if is_far:
             return (

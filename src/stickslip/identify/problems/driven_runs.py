@@ -414,7 +414,7 @@ class DrivenRuns:
     def _known(self) -> _WithPrior:
         """The runs with what was given of the mechanism, for a deviation of 1."""
         given = np.array([self.given.get(item.path, 1.0) for item in self.items])
-        late = [[(item.path == DELAY) / self.late[-1] for item in self.items]] * bool(self.late)
+        late = [[(item.path == DELAY) / size for item in self.items] for size in self.late[-1:]]
         rows = np.array(late).reshape(-1, len(given))
         return _WithPrior(runs=self.runs, given=given, sizes=self.sizes, rows=rows, deviation=1.0)
 
@@ -497,8 +497,13 @@ class DrivenRuns:
         of_rig = [item for item in self.items if item.path in self.given]
         own = [replace(item, start=at) for item, at in zip(of_rig, rig.tolist(), strict=True)]
         own += [
-            FreeParameter(path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value)
-            for part, of_part in (("level", level), ("gear", gear))
+            FreeParameter(
+                path=f"friction.{part}.{k}.value", quantity=Quantity("c"), start=c.value, size=size
+            )
+            for part, of_part, size in (
+                ("level", level, beside.size),
+                ("gear", gear, beside.size / (beside.transmitted or 1.0)),
+            )
             for k, c in enumerate(of_part)
         ]
         runs = replace(self.runs.starting_from(self.seen), law=curve)

@@ -18,7 +18,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -616,7 +616,7 @@ class BalanceRows:
         self.position = self.taken([item.record.position for item in pieces])
         self.time = self.taken([item.record.time for item in pieces])
 
-    def taken(self, parts: Sequence[Array]) -> Array:
+    def taken(self, parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Return values of the samples at the rows (n,)."""
         each = zip(parts, self.picks, self.pieces, strict=True)
         return np.concatenate([x[pick * piece.every] for x, pick, piece in each])

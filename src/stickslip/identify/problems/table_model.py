@@ -135,6 +135,8 @@ TURNS = 3
 MOST_ROWS = 250
 FIRST, MOST = 100, 400
 """Nodes that are visited in the first turn, and in others."""
+DIGITS = 9
+"""Digits of a reading: equal settings may differ beyond them by the conversion of a unit."""
 KEPT = 80
 """Structures that are refined, and that are kept (with 40, up to 8 % of the weight was cut off at
 the ends of intervals)."""
@@ -219,6 +221,19 @@ class Rows(Slips):
         )
 
 
+def as_read(values: Array) -> Array:
+    """Return values (n,) with the digits that a reading may have: what is further is rounding.
+
+    Readings are counted, grouped and taken for copies where they are equal.
+
+    Examples
+    --------
+    >>> as_read(np.array([0.1 + 0.2, -1.0 / 3.0, 0.0])).tolist()
+    [0.3, -0.333333333, 0.0]
+    """
+    return np.array([float(f"{x:.{DIGITS}g}") for x in values])
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Readings:
     """What was read: single readings, or means of cells."""
@@ -247,9 +262,13 @@ class Readings:
         others are copies, unless readings are so coarse that noise is lost in rounding.
         """
         n = len(friction)
+        inputs = {name: as_read(x) for name, x in rows.inputs.items()}
+        rows = replace(
+            rows, velocity=as_read(rows.velocity), load=as_read(rows.load), inputs=inputs
+        )
         single = cls(
             rows=rows,
-            friction=np.asarray(friction, dtype=float),
+            friction=as_read(friction),
             stated=np.zeros(n) if stated is None else np.asarray(stated, dtype=float),
             count=np.ones(n),
             within=np.zeros(n),

@@ -495,10 +495,13 @@ class TravelJudgement:
         ratio = math.sqrt(float(top.losses.mean() / max(curve.losses.mean(), 1e-300)))
         curves = np.array([not s.linear.name for s in self.solved])
         better = gain > THRESHOLDS.errors and ratio > THRESHOLDS.no_law_ratio
+        left = min(float(np.mean(s.left**2)) for s in self.solved if s.linear.name)
+        far = self.stated and math.sqrt(left) > THRESHOLDS.misfit
         # where few readings tell many parameters, a setting held out is missed by the true law, too
         chances = np.asarray(softmax([s.evidence for s in self.solved]))
-        least = min(float(share[curves].sum()) for share in (self.raw_shares, chances))
-        return not (least > THRESHOLDS.no_law and better)
+        judged, likely = (float(x[curves].sum()) > THRESHOLDS.no_law
+                          for x in (self.raw_shares, chances))  # fmt: skip
+        return not (judged and (far or (better and likely)))
 
     def law_of(self, name: str) -> TravelLaw:
         """Return a law by name."""

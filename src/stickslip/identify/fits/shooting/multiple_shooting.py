@@ -152,8 +152,9 @@ class Shooting:
             return None
         column = run.states.index(slip_names(mechanism)[self.quantity != "position"])
         shot = _Shot(
-            run=run, segment=segment, mechanism=mechanism, law=law, state=state, column=column
-        )
+            run=run, segment=segment, mechanism=mechanism, law=law, state=state, column=column,
+            sizes={item.path: item.size for item in self.free_parameters.items},
+        )  # fmt: skip
         units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
         units[segment.known] = 0.0
@@ -220,6 +221,8 @@ class _Shot:
     law: FrictionLaw
     state: Array
     column: int
+    sizes: Mapping[str, float]
+    """Usual sizes of parameters by path, of those that may be next to 0."""
 
     def compared(self, run: BareRun, late: float) -> Array:
         """Return what is compared (n,) of a run of the segment, at times that are later."""
@@ -254,7 +257,7 @@ class _Shot:
         else:
             known = parameters(self.law if root == "friction" else self.mechanism, root)
             value = next(value for other, _, value in known if other == path)
-            size = abs(value) or 1e-3
+            size = max(abs(value), self.sizes.get(path, 0.0)) or 1e-3
         ends = []
         sides = (1.0,) if segment.loop else (-1.0, 1.0)  # such runs take ten times as long
         for change in (side * MOVED * size for side in sides):
