@@ -302,8 +302,12 @@ def test_an_axis_that_rests_under_its_drive_is_refused(noise):
 
 def test_runs_of_a_body_that_sticks_tell_nothing():
     t = np.arange(0.0, 3.0, 0.01)
-    found = fitted(SHAKEN, Measurement(time=t, velocity=np.where(t == t[150], 0.01, 0.0)))
+    v = 0.01 * np.sin(np.pi * np.clip((t - 1.5) / 0.1, 0.0, 1.0))
+    found = fitted(SHAKEN, Measurement(time=t, velocity=v))
     assert not isinstance(found.judgement.problem, DrivenProblem)
+    one_count = np.where(t == t[150], 0.01, 0.0)
+    with pytest.raises(InputError, match="rests throughout"):
+        fitted(SHAKEN, Measurement(time=t, velocity=one_count))
 
 
 def travels(settings, law, t_end, seed=1):

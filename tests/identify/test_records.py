@@ -16,6 +16,7 @@ from stickslip.identify.problems.record_signals import (
     bristle,
     noise_of,
     records_of,
+    step_of,
 )
 from stickslip.identify.problems.records import RecordProblem
 
@@ -216,6 +217,21 @@ def test_noise_is_that_of_the_quiet_parts_or_the_step_of_the_encoder():
     x = np.sin(0.002 * np.arange(5000.0))
     assert noise_of(x + 1e-4 * random.normal(size=5000)) == pytest.approx(1e-4, rel=0.2)
     assert noise_of(np.round(x, 2)) == pytest.approx(0.01 / np.sqrt(12.0), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "speeds",
+    [
+        np.repeat([-0.1, 0.1], 40),
+        np.repeat([0.0, 0.1, 0.0, -0.1], 40),
+        np.repeat([0.1, 0.2, 0.3, 0.2, 0.1, -0.1, -0.2], 40),
+        np.array([-0.1, 0.1, -0.3, 0.3]),
+    ],
+)
+def test_speeds_that_were_set_have_no_step_of_an_encoder_and_its_counts_have(speeds):
+    assert step_of(np.resize(speeds, 2000), speed=True) == 0.0
+    place = np.round(0.5 * np.sin(0.03 * np.arange(2000.0)) / 0.004) * 0.004
+    assert step_of(np.diff(place), speed=True) == pytest.approx(0.004)
 
 
 @pytest.mark.parametrize(

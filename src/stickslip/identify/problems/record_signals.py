@@ -24,6 +24,8 @@ from stickslip.quantities import parameters
 
 FEWEST = 60
 """Samples of a record at least."""
+HELD = 2.0
+"""Samples for which at least a quarter of the counts of an encoder of few are held at most."""
 STRETCHES = 20
 """Stretches of a record, of which some are quiet."""
 ALIKE = 1e-3
@@ -89,7 +91,7 @@ class Record:
     def velocity_noise(self) -> float:
         """The same of the velocities."""
         assert self.velocity is not None
-        return noise_of(self.velocity)
+        return noise_of(self.velocity, speed=True)
 
     def each(self, of: Callable[[Array], Array]) -> "Record":
         """Return the record with something else of each channel."""
@@ -394,13 +396,19 @@ class Filter:
         return (self.count - 1) // self.every + 1
 
 
-def step_of(x: Array) -> float:
+def step_of(x: Array, *, speed: bool = False) -> float:
     """Return the step of an encoder by which values (n,) differ; 0 if they have none.
+
+    A few speeds may be those that were set: counts are multiples of the step, and go by one step
+    to and fro.
 
     Examples
     --------
     >>> step_of(np.round(np.sin(0.01 * np.arange(4000.0)), 3))
     0.001
+    >>> counts = np.diff(np.floor(0.3 * np.arange(400.0)))
+    >>> step_of(counts, speed=True), step_of(np.repeat([-0.1, 0.1], 200), speed=True)
+    (1.0, 0.0)
     """
     range_ = float(np.ptp(x))
     if range_ == 0.0:
@@ -410,12 +418,22 @@ def step_of(x: Array) -> float:
     # files round the steps of an encoder, to 48 and 49 um as it may be: their mean is the step
     least = float(np.mean(known[known < 1.5 * known.min()])) if known.size else 0.0
     steps = known[known < 50.0 * least] / max(least, 1e-300)
-    many = len(steps) > 20 or 0 < FEWEST * len(known) < len(x)
+    few = 0 < FEWEST * len(known) < len(x) and not (speed and _are_set(x, least))
+    many = len(steps) > 20 or few
     even = many and float(np.mean(np.abs(steps - np.round(steps)) < 0.05)) > 0.95
     return least if even else 0.0
 
 
-def noise_of(x: Array) -> float:
+def _are_set(x: Array, step: float) -> bool:
+    """Return whether speeds (n,) are held, or jump farther, as counts of an encoder do not."""
+    at = np.flatnonzero(np.diff(x))
+    jumps, held = np.abs(np.diff(x)[at]) / step, np.diff(at)
+    counts = np.all(np.abs(x / step - np.round(x / step)) < 0.05)
+    steps = np.median(jumps) < 1.5 and len(held) and np.quantile(held, 0.25) <= HELD
+    return not (counts and steps)
+
+
+def noise_of(x: Array, *, speed: bool = False) -> float:
     """Return the standard deviation of white noise of values (n,), at least their rounding.
 
     From the third differences in the quiet twentieths of a record, or the step of the encoder.
@@ -433,7 +451,7 @@ def noise_of(x: Array) -> float:
     size = max(len(third) // STRETCHES, 8)
     parts = [third[i * size : (i + 1) * size].std() for i in range(max(len(third) // size, 1))]
     quiet = float(np.quantile(parts, 0.2)) / math.sqrt(20.0)
-    return max(step_of(x) / math.sqrt(12.0), quiet, 1e-9 * range_)
+    return max(step_of(x, speed=speed) / math.sqrt(12.0), quiet, 1e-9 * range_)
 
 
 def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:
