@@ -23,7 +23,7 @@ os.environ.setdefault("STICKSLIP_BACKGROUND", "0")
 
 settings.register_profile("dev", deadline=None, max_examples=25)
 settings.register_profile("ci", deadline=None, max_examples=25, derandomize=True)
-settings.register_profile("thorough", deadline=None)
+settings.register_profile("thorough", deadline=None, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
 

@@ -69,7 +69,7 @@ def closed_loop(number: int) -> Asked:
 
 
 def arm(number: int) -> Asked:
-    rig, _, (record, _), _ = joints.drawn("sound", number, SEED)
+    rig, _, (record, _), _ = joints.drawn("clean", number, SEED)
     return rig, record, {"vary": joints.LINEAR, "settings": joints.SETTINGS}
 
 

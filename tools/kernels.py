@@ -26,6 +26,8 @@ KERNELS: Mapping[str, Mapping[str, str]] = {
     "any x86-64": {"STICKSLIP_CPU": "x86-64"},
 }
 """Environments, by what they are called."""
+REPORTED = {"Prescott": "Katmai"}
+"""What OpenBLAS calls a kernel by another name."""
 NEEDED = {"Haswell": "avx2", "SkylakeX": "avx512f"}
 """What the processor must be able to do, by kernel."""
 SHOWN = (
@@ -56,7 +58,7 @@ def lacking(name: str) -> str:
         return f"this processor has no {needed}"
     if wanted := KERNELS[name].get("OPENBLAS_CORETYPE"):
         used = python("-c", SHOWN, **KERNELS[name]).stdout.split()
-        if used != [wanted]:
+        if used not in ([wanted], [REPORTED.get(wanted, wanted)]):
             return f"linear algebra runs with {' and '.join(used) or 'no kernel of OpenBLAS'}"
     return ""
 
