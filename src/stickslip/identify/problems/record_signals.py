@@ -426,11 +426,11 @@ def step_of(x: Array, *, speed: bool = False) -> float:
 
 def _are_set(x: Array, step: float) -> bool:
     """Return whether speeds (n,) are held, or jump farther, as counts of an encoder do not."""
-    at = np.flatnonzero(np.diff(x))
-    jumps, held = np.abs(np.diff(x)[at]) / step, np.diff(at)
-    counts = np.all(np.abs(x / step - np.round(x / step)) < 0.05)
-    steps = np.median(jumps) < 1.5 and len(held) and np.quantile(held, 0.25) <= HELD
-    return not (counts and steps)
+    counts, at = x / step, np.flatnonzero(np.diff(x))
+    if len(at) < 2 or np.any(np.abs(counts - np.round(counts)) > 0.05):
+        return True
+    far = np.median(np.abs(np.diff(counts)[at])) > 1.5
+    return bool(far or np.quantile(np.diff(at), 0.25) > HELD)
 
 
 def noise_of(x: Array, *, speed: bool = False) -> float:
