@@ -36,6 +36,7 @@ def test_writes_a_rig_that_simulates_a_figure_and_the_numbers(run, capsys):
         main(["simulate", "best/rig.toml", "--json"])
     assert not leaving.value.code
     assert json.loads(capsys.readouterr().out)["status"] == "END_TIME"
+    Path("best/notes.txt").write_text("mine", encoding="utf-8")
     code, _, err = run(*VARY, *QUICK, "-o", "best")
     assert code == 2
     assert "--force" in err

@@ -829,7 +829,7 @@ def test_the_schema_knows_data_and_marks():
         (AXIS + IN_FILE.replace("35.15", '"big"'), "data.gain.force"),
         (AXIS + IN_FILE.replace('"1 N"', '"1 m"'), "data.offset.force"),
         (AXIS + IN_FILE.replace("offset = { force", "offset = { fource"), "Did you mean 'force'"),
-        (AXIS + IN_FILE + 'repair = ["mend"]\n', "must be 'sort' or 'gaps'"),
+        (AXIS + IN_FILE + 'repair = ["mend"]\n', "must be 'sort', 'gaps' or 'hold'"),
         (AXIS + IN_FILE + 'hold = "second"\n', "must be 'zero' or 'first'"),
         (AXIS + IN_FILE + "repair = []\n", "must not be an empty list"),
         (AXIS + IN_FILE.replace("columns", "colums"), "Did you mean 'columns'"),

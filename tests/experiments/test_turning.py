@@ -82,9 +82,13 @@ def test_angles_do_not_go_with_forces_nor_lengths_with_torques(read, header):
         read(header, ROWS)
 
 
-def test_frequencies_are_no_rates(read):
-    with pytest.raises(InputError, match="not in Hz"):
-        read("time,velocity [Hz],force [N m]", ROWS)
+def test_a_rate_in_hertz_is_in_turns_a_second_and_no_velocity_along_a_line(read):
+    turns = read("time,velocity [Hz],force [N m]", ROWS)
+    plain = read("time,velocity [rad/s],force [N m]", ROWS)
+    expected = 2.0 * math.pi * np.asarray(plain.values("velocity"))
+    np.testing.assert_allclose(turns.values("velocity"), expected, rtol=1e-12)
+    with pytest.raises(InputError, match="linear"):
+        read("time,velocity [Hz],force [N]", ROWS)
 
 
 def test_trials_turn_if_one_of_them_does():

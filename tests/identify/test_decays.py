@@ -168,7 +168,10 @@ def test_a_constant_force_of_a_decay_is_no_friction():
 
 
 def test_a_free_motion_says_that_its_friction_goes_with_the_inertia(verdict):
-    assert any("friction over inertia only" in sentence for sentence in verdict.words.cannot_tell)
+    assert any(
+        "only the ratio of friction to inertia" in sentence
+        for sentence in verdict.words.cannot_tell
+    )
 
 
 def test_the_ends_of_few_swings_do_not_bias_the_level():

@@ -162,7 +162,7 @@ def test_gain_of_the_force_scale_of_the_position_and_inertia_are_one_group():
 
 
 def test_a_gear_takes_a_share_of_what_it_transmits():
-    t, x, _, _ = sines(4)
+    t, x, _ = sines(4)
     v, torque = np.gradient(x, t), 20.0 * np.sin(1.7 * t)
     friction = 0.12 * np.abs(torque) * np.sign(v) + 0.8 * v
     record = Record(

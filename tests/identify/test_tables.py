@@ -306,7 +306,8 @@ def test_a_table_at_one_speed_in_both_directions_tells_a_constant_force():
     friction = way * 0.3 * loads * (1.0 + 0.02 * random.normal(size=24)) + 1.0
     speeds = 0.1 * (1.0 + 0.004 * random.normal(size=24))  # as they were set
     verdict = select(AXIS, None, Measurement(velocity=speeds * way, friction=friction, load=loads))
-    assert {abs(v) for v in verdict.places} == {float(np.median(speeds))}
+    # as they may be set
+    assert {abs(v) for v in verdict.places} == {0.1}
     for side in (1.0, -1.0):
         band = verdict.band([0.1 * side] * 3, np.array([10.0, 20.0, 40.0]))
         truth = side * 0.3 * np.array([10.0, 20.0, 40.0]) + 1.0

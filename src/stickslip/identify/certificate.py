@@ -402,7 +402,9 @@ def _expected(reduced: _Reduced, law: FrictionLaw, cuts: Sequence[_Cut]) -> floa
     each = [np.array(x) for x in zip(*_run(reduced, members, few, off), strict=True)]
     squares = np.median([np.mean((x - np.mean(x, axis=0)) ** 2, axis=1) for x in each], axis=0)
     spread = float(np.median([np.var(y) for y in reduced.measured(few)])) + 1e-300
-    return float(np.sqrt(np.quantile(np.nan_to_num(squares, nan=math.inf), QUANTILE) / spread))
+    # a run that fails has no end: a value itself, as none is between it and another
+    most = np.quantile(np.nan_to_num(squares, nan=math.inf), QUANTILE, method="higher")
+    return float(np.sqrt(most / spread))
 
 
 def _work(reduced: _Reduced, handed: _Member) -> float:

@@ -185,6 +185,10 @@ OPTIONS = ("route", "settings", "validate", "assumed", "t_end", "tolerance")
 """What may be said of how; each kind uses some of it."""
 
 
+OVER_ALL_LAWS = "Parameters of {}, over all laws"
+"""Title of the parameters of a law, with the intervals to quote."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
     """The laws of a verdict beside each other, as a terminal shows them."""

@@ -27,7 +27,13 @@ from stickslip.identify.fits import (
     load_of,
     names_of,
 )
-from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request
+from stickslip.identify.kinds.kind import (
+    OVER_ALL_LAWS,
+    Comparison,
+    FitSummary,
+    Kind,
+    Request,
+)
 from stickslip.identify.kinds.trials import compared
 from stickslip.show.formatting import joined
 from stickslip.show.report import Origin, SectionMaker
@@ -79,7 +85,7 @@ class BandKind(Kind[LawFit, BandVerdict]):
             heads=heads,
             rows=rows,
             checks=verdict.checks,
-            fitted=(f"Parameters of {closest.title}, over all laws", values) if values else None,
+            fitted=(OVER_ALL_LAWS.format(closest.title), values) if values else None,
         )
 
     def summary(self, fit: LawFit, validate: Measurement | None = None) -> FitSummary:

@@ -46,6 +46,7 @@ from stickslip.identify.candidates import (
 from stickslip.identify.fits import LAW, AnyLaw_co, Estimate, estimates_for
 from stickslip.identify.judgement import RIVAL
 from stickslip.identify.kinds.kind import (
+    OVER_ALL_LAWS,
     Column,
     Columns,
     Comparison,
@@ -668,7 +669,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
             rows=rows,
             notes=[f"{candidate.title}: {candidate.outcome}" for candidate in verdict.candidates],
             checks=verdict.checks,
-            fitted=(f"Parameters of {closest.title}, over all laws", values) if values else None,
+            fitted=(OVER_ALL_LAWS.format(closest.title), values) if values else None,
         )
 
     def summary(self, fit: AnyFit, validate: Measurement | None = None) -> FitSummary:

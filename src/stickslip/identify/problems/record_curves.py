@@ -281,6 +281,8 @@ class _Readings:
         for name, b in plain.items():
             if name in (*COURSES, "turn", "run") or (self.rests and name in BRISTLES):
                 continue
+            if name not in every:  # a part of the mechanism that the other record is without
+                continue
             columns = every[name]
             learned = (columns @ b).T
             if name in BY_PLACE:
