@@ -420,10 +420,8 @@ class Piece:
         """Speed below which an encoder steps too seldom for the filter to show it [m/s]; or 0."""
         by_place = self.record.velocity is None
         x = self.given.position if by_place else np.asarray(self.given.velocity)
-        step = step_of(x, speed=not by_place)
-        if step < COARSE * noise_of(
-            x, speed=not by_place
-        ):  # noise beside the steps makes them finer
+        step, noise = (of(x, speed=not by_place) for of in (step_of, noise_of))
+        if step < COARSE * noise:  # noise beside the steps makes them finer
             return 0.0
         seen = min(SURE * self.wider * self.cutoff * self.sample, 1.0)
         return seen * step / (self.sample if by_place else 1.0)

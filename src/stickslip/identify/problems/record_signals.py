@@ -24,8 +24,6 @@ from stickslip.quantities import parameters
 
 FEWEST = 60
 """Samples of a record at least."""
-HELD = 2.0
-"""Samples for which at least a quarter of the counts of an encoder of few are held at most."""
 STRETCHES = 20
 """Stretches of a record, of which some are quiet."""
 ALIKE = 1e-3
@@ -418,19 +416,17 @@ def step_of(x: Array, *, speed: bool = False) -> float:
     # files round the steps of an encoder, to 48 and 49 um as it may be: their mean is the step
     least = float(np.mean(known[known < 1.5 * known.min()])) if known.size else 0.0
     steps = known[known < 50.0 * least] / max(least, 1e-300)
-    few = 0 < FEWEST * len(known) < len(x) and not (speed and _are_set(x, least))
+    few = 0 < FEWEST * len(known) < len(x) and not (speed and _are_set(x / least))
     many = len(steps) > 20 or few
     even = many and float(np.mean(np.abs(steps - np.round(steps)) < 0.05)) > 0.95
     return least if even else 0.0
 
 
-def _are_set(x: Array, step: float) -> bool:
-    """Return whether speeds (n,) are held, or jump farther, as counts of an encoder do not."""
-    at = np.flatnonzero(np.diff(x))
-    jumps, held = np.abs(np.diff(x)[at]) / step, np.diff(at)
-    counts = np.all(np.abs(x / step - np.round(x / step)) < 0.05)
-    steps = np.median(jumps) < 1.5 and len(held) and np.quantile(held, 0.25) <= HELD
-    return not (counts and steps)
+def _are_set(counts: Array) -> bool:
+    """Return whether speeds over a step (n,) are held or jump farther, as no counts do."""
+    at, whole = np.flatnonzero(np.diff(counts)), np.all(np.abs(counts - np.round(counts)) < 0.05)
+    by_one = whole and np.median(np.abs(np.diff(counts)[at])) < 1.5
+    return not (by_one and len(at) > 1 and np.quantile(np.diff(at), 0.25) <= 2.0)
 
 
 def noise_of(x: Array, *, speed: bool = False) -> float:
