@@ -150,6 +150,7 @@ SLOW = {
         DRIVEN, Coulomb(kinetic_coefficient=0.5), {"x": [-1.0, 1.0], "v": [-1.0, 1.0]}, settle=20
     ),
     "velocity steps": lambda: fit_rate_state(SLIDER, "rate-and-state", steps(), **FREE),
+    "run of a verdict": lambda: select(AXIS, ["coulomb-viscous"], series()).certificate,
     "verdict on velocity steps": lambda: select(
         SLIDER, ["rate-and-state", "rate-and-state-slip"], steps(), **FREE
     ),
@@ -204,7 +205,7 @@ def test_a_result_that_takes_long_comes_back_too(kind):
 
 def test_every_public_result_is_in_a_table(made):
     kinds = {one.__name__ for result in made.values() for one in type(result).__mro__}
-    slow = {"FurtherPlan", "Plan", "SimulatedFit", "SimulatedVerdict"}
+    slow = {"FurtherPlan", "Plan", "RunCertificate", "SimulatedFit", "SimulatedVerdict"}
     results = {"Checks", "Finding"}
     for door in (engine, identify):
         for name in door.__all__:
