@@ -83,7 +83,7 @@ kernels: $(DEV) ## what decides something, under other kernels of linear algebra
 	WORKERS=$(WORKERS) $(BIN)/python -m tools.kernels
 
 # A part of the tests, which meets every dependency.
-SMOKE := tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/test_commands.py \
+SMOKE := tests/test_simulation.py tests/test_tables.py tests/cli/test_commands.py \
   tests/cli/test_doctor.py tests/cli/test_extras.py tests/cli/test_records.py tests/cli/test_terminal.py \
   tests/experiments/test_logs.py tests/experiments/test_units.py \
   tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
