@@ -417,10 +417,8 @@ def step_of(x: Array, *, speed: bool = False) -> float:
     least = float(np.mean(known[known < 1.5 * known.min()])) if known.size else 0.0
     steps = known[known < 50.0 * least] / max(least, 1e-300)
     few = 0 < FEWEST * len(known) < len(x) and not (speed and _are_set(x / least))
-    even = (few or len(steps) > 20) and float(
-        np.mean(np.abs(steps - np.round(steps)) < 0.05)
-    ) > 0.95
-    return least if even else 0.0
+    whole = np.abs(steps - np.round(steps)) < 0.05
+    return least if (few or len(steps) > 20) and np.mean(whole) > 0.95 else 0.0
 
 
 def _are_set(counts: Array) -> bool:
