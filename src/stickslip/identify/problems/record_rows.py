@@ -541,9 +541,8 @@ class Piece:
         """Speed that is passed within `MOMENT` samples of a turn, in the median [m/s]."""
         at = self.turns[(self.turns >= MOMENT) & (self.turns < len(self.velocity) - MOMENT)]
         speed = np.abs(self.velocity)
-        return (
-            float(np.median(np.maximum(speed[at - MOMENT], speed[at + MOMENT]))) if len(at) else 0.0
-        )
+        passed = np.maximum(speed[at - MOMENT], speed[at + MOMENT])
+        return float(np.median(passed)) if len(at) else 0.0
 
     def usable(self, cutoff: float) -> Mask:
         """Return which samples can be rows at a cutoff (n,)."""
@@ -552,8 +551,7 @@ class Piece:
         rest = 2 * int(AWAY / cutoff / self.step) + 1
         away = maximum_filter1d(self.still.astype(np.uint8), rest) == 0
         tries = (away, ~self.still, np.ones(count, dtype=bool))
-        enough = FEWEST / (PER * cutoff * self.step)  # samples of that many rows
-        many = min(LEAST * count, enough)
+        many = min(LEAST * count, FEWEST / (PER * cutoff * self.step))  # samples of so many rows
         result = next(item for item in tries if np.sum(item) > many or item is tries[-1]).copy()
         ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
         most = count // SHORTEST

@@ -417,9 +417,8 @@ def step_of(x: Array, *, speed: bool = False) -> float:
     least = float(np.mean(known[known < 1.5 * known.min()])) if known.size else 0.0
     steps = known[known < 50.0 * least] / max(least, 1e-300)
     few = 0 < FEWEST * len(known) < len(x) and not (speed and _are_set(x / least))
-    many = len(steps) > 20 or few
-    even = many and float(np.mean(np.abs(steps - np.round(steps)) < 0.05)) > 0.95
-    return least if even else 0.0
+    whole = np.abs(steps - np.round(steps)) < 0.05
+    return least if (few or len(steps) > 20) and np.mean(whole) > 0.95 else 0.0
 
 
 def _are_set(counts: Array) -> bool:
@@ -440,14 +439,11 @@ def noise_of(x: Array, *, speed: bool = False) -> float:
     >>> noise_of(np.round(x, 3)) > 2.5e-4, noise_of(x) < 1e-6
     (True, True)
     """
-    range_ = float(np.ptp(x))
-    if range_ == 0.0:
-        return 1e-300
     third = np.diff(x, 3)
     size = max(len(third) // STRETCHES, 8)
     parts = [third[i * size : (i + 1) * size].std() for i in range(max(len(third) // size, 1))]
     quiet = float(np.quantile(parts, 0.2)) / math.sqrt(20.0)
-    return max(step_of(x, speed=speed) / math.sqrt(12.0), quiet, 1e-9 * range_)
+    return max(step_of(x, speed=speed) / math.sqrt(12.0), quiet, 1e-9 * float(np.ptp(x)), 1e-300)
 
 
 def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> Array:
