@@ -109,7 +109,10 @@ def said(mechanism: Any, measurement: Measurement, settings: Mapping[str, Any]) 
     words = getattr(verdict, "words", None)
     if words is None:
         return str(verdict).partition("\n")[0]
-    return "\n".join([words.verdict, words.lede, *words.settles, *words.cannot_tell])
+    asserted = [
+        finding.sentence for finding in getattr(verdict, "findings", ()) if finding.asserted
+    ]
+    return "\n".join([words.verdict, words.lede, *asserted, *words.cannot_tell])
 
 
 NUMBER = re.compile(r"\d+(?:,\d{3})*(?:\.\d+)?")
