@@ -168,7 +168,6 @@ class RecordProblem(Problem):
             "beside",
             "_is_load_told",
             "of_load",
-            "_places",
             "grid",
             "_left",
             "_usual",
