@@ -75,8 +75,10 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
 
+# All of them, or those of some folders.
+SLOW ?= tests
 slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones
-	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis'
+	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis' $(SLOW)
 
 kernels: $(DEV) ## what decides something, under other kernels of linear algebra and machine code
 	$(call heading,kernels)
