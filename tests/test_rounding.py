@@ -115,16 +115,19 @@ def said(mechanism: Any, measurement: Measurement, settings: Mapping[str, Any]) 
     return "\n".join([words.verdict, words.lede, *asserted, *words.cannot_tell])
 
 
-NUMBER = re.compile(r"\d+(?:,\d{3})*(?:\.\d+)?")
+NUMBER = re.compile(r"−?\d+(?:,\d{3})*(?:\.\d+)?")
 
 
 def differ(words: str, others: str) -> bool:
-    """Return whether sentences differ by more than a tenth, or a last digit, of their numbers."""
+    """Return whether sentences differ by more than a tenth, or a last digit, of their numbers.
+
+    Where a band is as wide in both directions, it is at its widest in either.
+    """
     if NUMBER.sub("#", words) != NUMBER.sub("#", others):
         return True
     for x, y in zip(NUMBER.findall(words), NUMBER.findall(others), strict=True):
         digit = 10.0 ** -max(len(each.partition(".")[2]) for each in (x, y))
-        one, other = (float(each.replace(",", "")) for each in (x, y))
+        one, other = (float(each.replace(",", "").removeprefix("−")) for each in (x, y))
         if abs(one - other) > max(0.1 * max(one, other), 1.01 * digit):
             return True
     return False
