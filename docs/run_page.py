@@ -5,7 +5,8 @@ with files that it links to, and fails where a number differs by a part in ten, 
 With ``--write``, what was printed and drawn goes into the page and beside it.
 
 A ``text`` block holds what the ``sh`` or ``python`` block before it prints; figures are files that
-these write, under the names by which the page shows them.
+these write, under the names by which the page shows them. A line ``...`` stands for lines that the
+page leaves out.
 """
 
 import argparse
@@ -66,6 +67,10 @@ def shown(text: str) -> list[str]:
 def differences(old: str, new: str) -> Iterator[str]:
     """Yield lines that differ in words, or in numbers by more than a part."""
     lines = [[line.split() for line in one.splitlines() if line.strip()] for one in (old, new)]
+    if ["..."] in lines[0]:  # lines that the page leaves out
+        cut = lines[0].index(["..."])
+        lines[0].pop(cut)
+        lines[1] = lines[1][:cut] + lines[1][len(lines[1]) - (len(lines[0]) - cut) :]
     if len(lines[0]) != len(lines[1]):
         yield f"{len(lines[0])} lines are shown and {len(lines[1])} are printed"
     for left, right in zip(*lines, strict=False):

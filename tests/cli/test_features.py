@@ -61,7 +61,7 @@ def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
     code, out, _ = run("select", "slider.toml", "--laws", "coulomb,stribeck")
     assert code == 0
     assert "cannot rule out" in out
-    assert max(len(line) for line in out.splitlines() if line.startswith("coulomb")) <= 80
+    assert max(len(line) for line in out.splitlines() if line.startswith("Coulomb")) <= 80
     report = tmp_path / "slider-report"
     content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))
     assert content["best"] in ("coulomb", "stribeck")

@@ -346,7 +346,7 @@ def test_a_composition_goes_from_a_rig_file_to_c_fmu_mjcf_and_figures(
     compiler = any(map(shutil.which, ("cc", "gcc", "clang")))
     laws = f"coulomb-viscous,{COMPOSITION}"
     for command in (
-        "fit slide.toml --vary forward_kinetic_coefficient --starts 1 -o fitted.toml",
+        "fit slide.toml --vary forward_kinetic_coefficient -o fitted.toml",
         f"select slide.toml --starts 1 -o report --laws|{laws}",
         "export report/law.toml --to c -o c",
         "export report/law.toml --to mjcf --rig slide.toml -o mjcf",

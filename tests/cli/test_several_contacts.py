@@ -352,7 +352,8 @@ def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path):
     tried = ["--laws", "coulomb,coulomb-viscous", "-o", "report"]
     code, shown, said = called(ARM_RIG, "select", "rig.toml", *tried)
     assert code == 0, said
-    assert "Shoulder: use Coulomb + viscous friction. Elbow: use Coulomb + viscous" in shown
+    for joint in ("Shoulder", "Elbow"):
+        assert f"{joint}: use Coulomb + viscous friction." in shown
     content = json.loads((tmp_path / "report" / "verdict.json").read_text())
     assert content["best"] == "shoulder=coulomb-viscous,elbow=coulomb-viscous"
     code, shown, said = called(ARM_RIG, "simulate", "report/law.toml", "--t-end", "0.1")

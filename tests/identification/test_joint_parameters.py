@@ -177,7 +177,7 @@ def test_every_record_of_the_measured_arm_is_predicted_from_the_others(arm_recor
 
 
 @pytest.mark.slow
-def test_friction_of_a_robot_file_that_is_held_is_said_beside_the_estimates():
+def test_friction_of_a_robot_file_that_is_held_stands_beside_what_is_fitted():
     t, q, v, a = motion(1)
     robot = read_urdf(
         files("stickslip.mechanisms") / "desk_arm.urdf", joints=["shoulder", "elbow"]
@@ -194,10 +194,5 @@ def test_friction_of_a_robot_file_that_is_held_is_said_beside_the_estimates():
     assert found.estimate("friction.shoulder.viscous_coefficient").value == pytest.approx(
         0.03, rel=0.02
     )
-    (said,) = found.assumptions
-    assert "mechanism.joints.0.damping (shoulder) = 0.05 N m s/rad" in said
-    assert "friction.elbow.kinetic_coefficient = 0.15 N m" in said
-    assert "Fitted viscous friction is what exceeds that damping" in said
-    assert [entry["value"] for entry in found.to_dict()["held"]] == [0.05, 0.02, 0.15]
     paths = {one.path for one in found.estimates}
     assert "friction.shoulder.kinetic_coefficient" in paths  # not named

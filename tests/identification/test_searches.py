@@ -65,7 +65,7 @@ def test_all_eight_parameters_of_lugre_are_found_from_no_start_values(lugre_reco
     found = fit(Axis(inertia=4.0), LuGre, lugre_record, vary=["friction.*", "mechanism.inertia"])
     assert found.route == "balance"
     truth = {f"friction.{name}": getattr(LUGRE, name) for name in LuGre.fit_order}
-    truth |= {"mechanism.offset": 1.0, "mechanism.inertia": 3.0}
+    truth |= {"offset": 1.0, "mechanism.inertia": 3.0}
     for path, value in truth.items():
         estimate = found.estimate(path)
         # twice the half width of a 95 % interval: one miss in 10,000 of a normal estimate

@@ -788,3 +788,42 @@ def test_a_free_swing_that_gives_no_scale_is_refused():
     record = Measurement(time=t, position=q + 1e-3 * np.random.default_rng(1).normal(size=len(t)))
     with pytest.raises(InputError, match="only friction over inertia"):
         select(arm, None, record, vary=["friction.*", "mechanism.mass", "mechanism.length"])
+
+
+@pytest.mark.parametrize(
+    "seed", [4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2, 3))]
+)
+def test_the_start_of_a_step_tells_friction_of_slow_speeds(seed):
+    """A step of the torque: half a second of start, and then a constant speed."""
+    inertia, level, viscous = 8e-4, 0.05, 0.0052
+    rng, fine = np.random.default_rng(seed), np.linspace(0.0, 4.0, 40_001)
+    time, h = np.arange(1334) * 0.003, fine[1]
+    torque = (
+        0.205 * (fine > 0.004)
+        + 0.012 * np.sin(2.0 * np.pi * 9.0 * fine)
+        + 0.006 * np.sin(2.0 * np.pi * 31.0 * fine + 1.0)
+    )
+    speed = np.zeros_like(fine)
+    for k in range(len(fine) - 1):
+        v, free = speed[k], torque[k] - level
+        speed[k + 1] = v + h * (free - viscous * v) / inertia if v > 0.0 or free > 0.0 else 0.0
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * h * (speed[1:] + speed[:-1]))])
+    own = select(
+        Axis(inertia=inertia),
+        None,
+        Measurement(
+            time=time,
+            position=np.round(0.4 + np.interp(time, fine, turned), 4),
+            velocity=np.interp(time, fine, speed) + rng.normal(0.0, 0.3, len(time)),
+            force=np.interp(time, fine, torque) + rng.normal(0.0, 0.02, len(time)),
+            turning=True,
+        ),
+    )
+    assert isinstance(own.law, CoulombViscous)
+    assert own.judgement.problem.asked().velocity.min() < 3.0
+    assert ("level",) not in own.set
+    assert own.law.kinetic_coefficient == pytest.approx(level, rel=0.15)
+    assert own.law.viscous_coefficient == pytest.approx(viscous, rel=0.06)
+    v = np.array([3.0, 10.0, 25.0])
+    band = own.band(v)
+    assert np.all((band.low < level + viscous * v) & (level + viscous * v < band.high))

@@ -181,7 +181,7 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     seen = speed[resolved] if np.mean(resolved) > 0.3 else speed
     top = float(np.quantile(seen, 0.995))
     resolution = max(piece.resolution for piece in pieces)
-    low = max(top / DECADES, float(np.quantile(seen, 0.01)), resolution)
+    low = max(top / DECADES, rows.slowest(seen, 0.01), resolution)
     low = min(low, 0.5 * top)
     passed = PASSED * max(piece.passed for piece in pieces)
     count = max(6, math.ceil(KNOTS * math.log(top / low)))
@@ -336,6 +336,10 @@ class Balance:
         self.first: float = like.first if like else 0.0
         """Length of the best bristle [m]."""
         self.frame: RecordFrame = like.frame if like else frame_of(self.pieces, self.rows(1))
+        if len(self.frame.sides) == 1 and not self.measured and not rests:
+            slowest = float(np.min(np.abs(self.rows(MIDDLE).velocity), initial=math.inf))
+            self.take([piece.with_start(slowest) for piece in self.pieces])
+            self.frame = like.frame if like else frame_of(self.pieces, self.rows(1))
         self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
         """Wave numbers of forces and of levels over the place [1/m]."""
         self._states: dict[int, tuple[Memory, list[Array]]] = {}

@@ -368,7 +368,7 @@ def resolved_speeds(model: RecordModel, count: int) -> Array:
         own = own if len(own) > RESOLVED_ROWS else moved[moved > 0.0]
         if not len(own):
             continue
-        low = max(frame.low, float(np.quantile(own, 0.03)))
+        low = max(frame.low, rows.slowest(own, 0.03))
         top = max(float(np.quantile(own, 0.98)), 1.01 * low)
         grids.append(side * np.geomspace(low, top, count))
     return np.sort(np.concatenate(grids))

@@ -12,6 +12,12 @@ r"""Rows of the force balance of one coordinate, at several cutoffs.
 4. Velocity, way and direction have the middle cutoff, and are those of all rows.
 5. Rows are taken `PER` times for each 1/cutoff, without rests, ends, and the start of the way, on
    which it is not known how far bristles are stretched.
+6. Where a record begins as the body leaves rest, at :math:`t_0`, and only then has its slow speeds,
+   the balance times a step at :math:`t_0` is filtered. As velocity and acceleration are 0 before,
+
+   .. math:: H[\theta(t - t_0) (F - f(v))] = J\, H[\ddot x] ,
+
+   whatever holds the body until then, and rows go on to that start.
 """
 
 import math
@@ -43,6 +49,9 @@ square where the motion goes one way: at 1 % of it, viscous friction of axes in 
 CUTOFFS = (0.7, 1.0, 1.4)
 """Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
 LOW, MIDDLE = 0, 1
+SEEN, RAISED, RAISES = 0.5, 1.3, 4
+"""Part of the motion that rows must have, factor by which the cutoff is raised else, and how often:
+of slips between rests little is away from rests at a low cutoff."""
 PERIODS = 8.0
 """Least cutoff over the frequency of the motion: else no speed is resolved between turns."""
 ON, BACK = 5.0, 0.1
@@ -75,6 +84,12 @@ ENDS, ENDS_MEASURED = 2.0, 0.5
 """Distance from the ends, over 1/cutoff: of a balance, and of friction that was measured."""
 WAY, WAY_MEASURED = 0.1, 0.8
 """Way over the range of positions from which on bristles are stretched as the motion says."""
+UNUSED = 0.5
+"""Speeds of a start over the slowest of the rows below which that start is worth rows."""
+AFTER = 0.5
+"""Time from a start to the first row, over 1/cutoff."""
+RESTED = 3.0
+"""Rest that is laid before a start, over 1/cutoff: filters reach as far."""
 SHORTEST = 10
 """Part of a record that both are at most, for the start of a motion tells its inertia."""
 THIRD = 20.0
@@ -350,6 +365,8 @@ class Piece:
     wider: float = WIDER
     """Band of the velocity over that of the rows. At a turn the acceleration jumps with the
     friction: a narrow band turns it at another time, and a wide one has noise."""
+    start_time: float = -math.inf
+    """Time at which the body leaves rest, if rows go on to it [s]."""
 
     @cached_property
     def step(self) -> float:
@@ -380,7 +397,8 @@ class Piece:
         force, result = self.given.force, np.zeros(len(self.given.force))
         beside = np.pad(force, 1, constant_values=np.nan)
         for side, end in ((-1.0, np.min(force)), (1.0, np.max(force))):
-            equal = side * force >= side * end - ROUNDED * abs(end)
+            # a jump that is put on an even grid is off by the rounding of times in its slope
+            equal = side * force >= side * end - 1e3 * ROUNDED * abs(end)
             first, last = np.flatnonzero(np.diff(np.pad(equal, 1).astype(int))).reshape(-1, 2).T
             near = 2.0 * np.fmax(side * beside[first], side * beside[last + 1]) > side * end
             equal[equal] = np.repeat(near, last - first)
@@ -546,7 +564,7 @@ class Piece:
 
     def usable(self, cutoff: float) -> Mask:
         """Return which samples can be rows at a cutoff (n,)."""
-        measured, q = self.record.friction, self.way
+        measured, q, time = self.record.friction, self.way, self.record.time
         count = len(q)
         rest = 2 * int(AWAY / cutoff / self.step) + 1
         away = maximum_filter1d(self.still.astype(np.uint8), rest) == 0
@@ -561,6 +579,11 @@ class Piece:
         moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
         if moved[-1] > (1.0 + least) * np.ptp(q):  # else it never comes back
             result[:most] &= moved[:most] > least * np.ptp(q)
+        if math.isfinite(self.start_time):  # each row up to the first that is used without it
+            after = (time > self.start_time + AFTER / cutoff) & (
+                time < time[int(np.argmax(result))]
+            )
+            result = (result & (time > self.start_time)) | after
         return result
 
     def rests(self, cutoff: float) -> Mask:
@@ -569,7 +592,37 @@ class Piece:
         result = np.asarray(minimum_filter1d(self.still.astype(np.uint8), away) > 0)
         ends = min(int(ENDS / cutoff / self.step) + 1, len(result) // 10)
         result[:ends] = result[len(result) - ends :] = False
-        return result
+        return result & (self.record.time > self.start_time)
+
+    def with_start(self, slowest: float) -> "Piece":
+        """Return the piece with rows from the start on, if slower than the `slowest` row [m/s]."""
+        v, noise = np.abs(self.velocity), SURE * self._speed_noise(self.wider)
+        first = int(np.argmax(v > noise))
+        last = first + max(int(1.0 / self.wider / self.cutoff / self.step), 2)
+        time, ramp = self.record.time[first:last], v[first:last]
+        if math.isfinite(self.start_time) or len(ramp) < 2 or ramp[0] > UNUSED * slowest:
+            return self
+        rate, at = np.polyfit(time - time[0], ramp, 1).tolist()
+        begun = float(time[0]) - at / rate if rate > 0.0 else -math.inf
+        if begun < self.record.time[0] - 1.5 * self.step:
+            return self  # it moved before
+        count = math.ceil(RESTED / min(CUTOFFS) / self.cutoff / self.step)
+        many = round(self.step / self.sample)
+        return replace(
+            self, record=_rested(self.record, count), given=_rested(self.given, count * many),
+            start_time=begun,
+        )  # fmt: skip
+
+
+def _rested(record: Record, count: int) -> Record:
+    """Return a record with so many samples of rest before it."""
+    step = float(record.time[1] - record.time[0])
+    longer = record.each(lambda x: np.concatenate([np.full(count, x[0]), x]))
+    time = record.time[0] + step * np.arange(-count, len(record.time))
+    v = longer.velocity
+    if v is not None:
+        v[:count] = 0.0
+    return replace(longer, time=time, velocity=v)
 
 
 def _unresolved(pieces: Sequence[Piece]) -> str:
@@ -624,12 +677,15 @@ class BalanceRows:
     ) -> Array:
         """Return columns of the pieces (n, ...) as the filter shows them, or as they act."""
         channel = acting.passes if acting and acting.delay else None
-        return np.concatenate([
-            piece.filters[self.which](
-                x, slope=slope, late=piece.held if acting else 0.0, channel=channel
-            )[pick]
-            for x, pick, piece in zip(parts, self.picks, self.pieces, strict=True)
-        ])  # fmt: skip
+        result = []
+        for x, pick, piece in zip(parts, self.picks, self.pieces, strict=True):
+            late, times = piece.held if acting else 0.0, slope
+            if math.isfinite(piece.start_time):  # a step at the start, which is not derived
+                x, times = (np.gradient(x, piece.step, axis=0) if slope else x), 0
+                x = (x.T * (piece.record.time > piece.start_time)).T
+            filt = piece.filters[self.which]
+            result.append(filt(x, slope=times, late=late, channel=channel)[pick])
+        return np.concatenate(result)
 
     def sensed(self, inertia: float) -> Array:
         """Return what the noise of sensors makes of the rows of a balance (n,) [N].
@@ -648,6 +704,11 @@ class BalanceRows:
             of_inertia = inertia * noise * _derived(step, band, 2 if by_place else 1)
             result.append(_derived(step, band, 0) ** 2 * here + of_inertia**2)
         return np.asarray(np.sqrt(np.concatenate(result)))
+
+    def slowest(self, speeds: Array, share: float) -> float:
+        """Return the speed below which a share of rows is, or that of the first row of a start."""
+        begins = any(math.isfinite(piece.start_time) for piece in self.pieces)
+        return float(np.quantile(speeds, 0.0 if begins else share))
 
     @cached_property
     def hidden(self) -> Array:
@@ -697,6 +758,7 @@ def _distance(piece: Piece, usable: Mask) -> Array:
     """Return the time from each sample to one that is not used, or turns (n,) [s]."""
     bad = ~usable
     bad[1:] |= np.diff(piece.direction) != 0.0
+    bad &= piece.record.time > piece.start_time + AFTER / piece.cutoff
     at, count = np.arange(len(bad)), len(bad)
     last = np.maximum.accumulate(np.where(bad, at, -count))
     after = np.minimum.accumulate(np.where(bad, at, 2 * count)[::-1])[::-1]
@@ -742,6 +804,27 @@ def pieces_of(
     grids = [even(item) for item in records if moves(item)]  # what rests says nothing of sliding
     if cutoff is None:
         cutoff = min(float(np.median([cutoff_of(grid) for grid in grids])), highest)
+    pieces, every = _at(grids, cutoff)
+    highest = min(highest, HIGHEST, *(SAMPLES / piece.sample for piece in pieces))
+    for _ in range(RAISES if fitted else 0):
+        if _share(pieces) > SEEN or RAISED * cutoff > highest:
+            break
+        cutoff *= RAISED
+        pieces, every = _at(grids, cutoff)
+    if fitted and all(np.all(piece.still) and not piece.travels for piece in pieces):
+        raise InputError(RESTS)
+    return pieces, every
+
+
+def _share(pieces: Sequence[Piece]) -> float:
+    """Return the part of the motion that can be rows."""
+    moving = [np.abs(piece.velocity) > SURE * piece._speed_noise(piece.wider) for piece in pieces]
+    used = [piece.usable(piece.cutoff) & x for piece, x in zip(pieces, moving, strict=True)]
+    return float(np.sum(np.concatenate(used)) / max(np.sum(np.concatenate(moving)), 1))
+
+
+def _at(grids: Sequence[Record], cutoff: float) -> tuple[list[Piece], int]:
+    """Return the pieces of records on even grids at a cutoff, and the finer rows to one taken."""
     total = sum(grid.time[-1] - grid.time[0] for grid in grids)
     top = max(CUTOFFS) * cutoff
     pieces = []
@@ -751,7 +834,5 @@ def pieces_of(
         every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
         record = averaged(entry, means) if means > 1 else entry
         pieces.append(Piece(record=record, given=entry, cutoff=cutoff, every=every))
-    if fitted and all(np.all(piece.still) and not piece.travels for piece in pieces):
-        raise InputError(RESTS)
     taken = max(1.0 / (PER * top), total / MOST_ROWS)
     return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)

@@ -73,8 +73,6 @@ from stickslip.show.formatting import joined, percent, quantity
 
 PLACES, ASKED = 25, 40
 """Speeds of each direction at which laws are compared, and at which the band is stated."""
-UNUSED = 0.5
-"""Speed over the slowest of the rows, below which a start that has no row is said to be unused."""
 DRAWN = 400
 """Rows that a figure shows."""
 FARTHER = 0.75
@@ -752,8 +750,6 @@ class RecordProblem(Problem):
             )
         if len(self.model.frame.sides) == 1 and self.offset and not balance.measured:
             result.append(f"{ONE_WAY} Move in the other direction too, or hold the offset (fixed).")
-        if len(self.model.frame.sides) == 1 and not balance.measured:
-            result += self._unused()
         if balance.dampings:
             names = [path.rpartition(".")[2].replace("_", " ") for path in balance.dampings]
             alike, them = ("", "it") if len(names) == 1 else (" together", "them")
@@ -762,25 +758,6 @@ class RecordProblem(Problem):
                 f" value of {them} holds both, and no law with viscous friction is compared."
             )
         return result
-
-    def _unused(self) -> list[str]:
-        """Return sentences on starts of records whose speeds no row has."""
-        balance, result = self.model.balance, list[str]()
-        rows, unit = balance.rows(MIDDLE), "rad/s" if self.turning else "m/s"
-        slowest = float(np.abs(rows.velocity).min())
-        for piece, pick in zip(balance.pieces, rows.picks, strict=True):
-            first = int(pick[0]) * piece.every if len(pick) else 0
-            start = np.abs(piece.velocity[:first])
-            if not np.any(start[~piece.still[:first]] < UNUSED * slowest):
-                continue
-            time = quantity(first * piece.step, "s", 2)
-            result.append(
-                f"The start of the motion, the first {time} up to"
-                f" {quantity(float(start[-1]), unit, 2)}, is not used: a filter of"
-                f" {quantity(piece.cutoff, 'Hz', 2)}, which the noise of the motion needs, does not"
-                " show it. A finer sensor, or a slower start, would."
-            )
-        return result[:1]
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
         """Return how much the level or the force changes, with the odds that it is not little.
