@@ -57,6 +57,6 @@ def test_the_balance_of_a_record_gives_sliding_and_says_nothing_of_the_static_le
     assert not told["static_coefficient"].bounded
     for name in ("kinetic_coefficient", "viscous_coefficient"):
         assert told[name].low < VALUES[name] < told[name].high
-        # slips from the highest static level are at a third of the speeds: level and slope trade off
+        # slips from the highest level have a third of the speeds: level and slope trade off
         width = 0.25 if static > 9.0 else 0.15
         assert told[name].high - told[name].low < width * VALUES[name]

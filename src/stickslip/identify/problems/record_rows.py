@@ -678,8 +678,8 @@ class BalanceRows:
         """Return columns of the pieces (n, ...) as the filter shows them, or as they act."""
         channel = acting.passes if acting and acting.delay else None
         result = []
-        for x, pick, piece in zip(parts, self.picks, self.pieces, strict=True):
-            late, times = piece.held if acting else 0.0, slope
+        for column, pick, piece in zip(parts, self.picks, self.pieces, strict=True):
+            x, times, late = column, slope, piece.held if acting else 0.0
             if math.isfinite(piece.start_time):  # a step at the start, which is not derived
                 x, times = (np.gradient(x, piece.step, axis=0) if slope else x), 0
                 x = (x.T * (piece.record.time > piece.start_time)).T
