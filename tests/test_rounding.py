@@ -143,7 +143,9 @@ def test_words_and_numbers_differ_as_a_reader_would_say():
     assert not differ(words, words.replace("1.2", "1.3"))
     assert differ(words, words.replace("1.2", "1.9"))
     assert differ(words, words.replace("Stribeck", "Coulomb"))
-    wide = "known to ± 2.0 mm in the median, and to ± 5 mm at worst, at 0.2 m; with 0.3 m it is 1 m."
+    wide = (
+        "known to ± 2.0 mm in the median, and to ± 5 mm at worst, at 0.2 m; with 0.3 m it is 1 m."
+    )
     assert not differ(wide, "known to ± 2.0 mm; with 0.3 m it is 1 m.")
     assert differ(wide, "known to ± 3.0 mm; with 0.3 m it is 1 m.")
 

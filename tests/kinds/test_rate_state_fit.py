@@ -637,7 +637,7 @@ def test_a_fit_says_whether_the_mass_could_matter():
     heavy = TowedBlock(mass=1e3, stiffness=2e3, speed=1e-6, load=1.0)
     # sqrt(1000 kg / 2000 N/m) = 0.7 s beside 10 um / (10 um/s) = 1 s
     found = fit_rate_state(heavy, RateState, truth, drift="none")
-    assert any("What the mass does" in line for line in found.sentences)
+    assert any("The effect of the mass" in line for line in found.sentences)
 
 
 def test_a_rate_and_state_fit_is_no_rig_file(tmp_path):

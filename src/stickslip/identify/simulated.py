@@ -290,7 +290,7 @@ class FamilyDraws:
         if self.effective >= ENOUGH / 3.0:
             return ()
         return (
-            "The intervals to better than a third: the effective number of draws is"
+            "Intervals are accurate to a third alone: the effective number of draws is"
             f" {significant(self.effective, 2)}.",
         )
 

@@ -132,7 +132,7 @@ class SlideKind(SimulatedKind):
 
     @override
     def about(self, fit: AnyFit) -> str:
-        return f"It leaves {quantity(fit.rms, 'm', 2)}, root mean square."
+        return f"The root mean square of its residuals is {quantity(fit.rms, 'm', 2)}."
 
     @override
     def pieces(

@@ -172,7 +172,7 @@ class FeatureKind(SimulatedKind):
         yield from sentences_of(features.findings, "scatter", "drift")
         stated = [parameter_words(path) for path in doubts if fit.family.is_prior(path)]
         if stated:
-            yield f"The {joined(stated)}, of which the features tell no more than was stated."
+            yield f"The {joined(stated)}: the features determine no more than was stated."
         if _frees_mass(fit):
             yield (
                 "Why the effective mass differs: a spring stiffer than stated, or a rocking body,"

@@ -434,7 +434,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
 
     def about(self, fit: AnyFit) -> str:
         """Return what is to be said first of the closest law, in sentences."""
-        return f"It leaves {self.left(fit)}, root mean square."
+        return f"The root mean square of its residuals is {self.left(fit)}."
 
     def left(self, fit: AnyFit) -> str:
         """Return the root mean square of what a fit leaves, with its unit if it has one."""
@@ -647,7 +647,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         if len(several) > MOST + 1:
             several[MOST:] = [f"{len(several) - MOST} more"]
         same = joined(several)
-        no_score = f"No ranking of {same}: each may hold." if rivals else ""
+        no_score = f"{capital(same)} cannot be ranked: each may hold." if rivals else ""
         return Wording(
             verdict=verdict,
             lede=share * is_weighed + self.about(fit),

@@ -89,7 +89,7 @@ if TYPE_CHECKING:
 
 T_END: Final = Rig.t_end
 """Time after which a body counts as stopped [s]."""
-WIDER = "the trials tell no more than that it is of this size"
+WIDER = "the trials determine its order of magnitude alone"
 """Why an estimate is open whose interval is wider than the value."""
 BEYOND = (0.75, 1.5)
 """Least and largest settings of the band over those measured."""
@@ -1018,10 +1018,9 @@ class TravelKind(SimulatedKind):
         if is_near and shares[most] - shares[fit.name] > THRESHOLDS.material:
             title = in_sentence(fit.problem.title(most))
             yield (
-                f"Which law holds elsewhere: {title} predicts held-out settings best, and so is"
+                f"Which law holds elsewhere: {title} predicts held-out settings best, and so has"
                 f" {percent(shares[most])} of the band;"
-                f" {in_sentence(fit.law.title)} is named, as it fits with fewer or more usual"
-                " parts."
+                f" {in_sentence(fit.law.title)} is named, as it has fewer or more common parts."
             )
         known, paths = fields_of(type(fit.law)), {estimate.path for estimate in fit.estimates}
         symbols = [
@@ -1201,7 +1200,7 @@ def travels_section(verdict: TravelVerdict) -> Section | None:
         f"{beside if verdict.curve_share else ''}."
     )
     if error := verdict.prediction_error:
-        text += f" It has the error that they leave elsewhere, {quantity(error, 'm/s', 2)}."
+        text += f" It includes the error at settings held out, {quantity(error, 'm/s', 2)}."
     if verdict.places:
         text += " Dotted: where another reading narrows the band most."
     return band_section(drawing, alt, heading, text)

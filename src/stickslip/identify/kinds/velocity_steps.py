@@ -193,7 +193,10 @@ class VelocityStepKind(SimulatedKind):
         return ""
 
     def about(self, fit: AnyFit) -> str:
-        text = f"It leaves {number(fit.rms, 2)} of the coefficient of friction, root mean square."
+        text = (
+            "The root mean square of its residuals is"
+            f" {number(fit.rms, 2)} in the coefficient of friction."
+        )
         if fit.law.name == "constant-coefficient":
             text += " No effect of speed is established."
         for rate in fit.derived:
@@ -212,7 +215,7 @@ class VelocityStepKind(SimulatedKind):
             ends = fit.problem.along(np.array([0.0, fit.problem.record.path.time[-1]]))
             first, last = ends @ fit.family.usual + (fit.problem.level or 0.0)
             text += (
-                " Friction drifts beside the law, whatever the speed: from"
+                " Friction also drifts, whatever the speed: from"
                 f" {number(first, 4)} at its beginning to {number(last, 4)} at its end."
             )
         return text
@@ -247,7 +250,7 @@ class VelocityStepKind(SimulatedKind):
             yield f"First compare the forms that were not tried, {joined(rest)}, by naming them."
         if not advised:
             unknown = "which law holds" if others else "its parameters"
-            yield f"Further steps are not expected to tell more of {unknown}."
+            yield f"Further steps are not expected to determine {unknown} better."
         for item in advised[:1]:
             new = item.name == "stiffness"
             begun, again = stepped_speeds(path)
@@ -516,9 +519,9 @@ def _of_mass(fit: AnyFit) -> Iterator[str]:
     swing = math.sqrt(_pulled(fit.mechanism).mass / _pulled(fit.mechanism).stiffness)
     if 2.0 * math.pi * swing * fastest > way > 0.0:  # a period of the block
         yield (
-            f"What the mass does, which is neglected: sqrt(m/k) = {quantity(swing, 's', 2)} is"
-            f" {ratio(swing * fastest / way)} the {quantity(way / fastest, 's', 2)} that the slider"
-            f" takes for {quantity(way, 'm', 2)} at the highest speed."
+            f"The effect of the mass, which is neglected: sqrt(m/k) = {quantity(swing, 's', 2)} is"
+            f" {ratio(swing * fastest / way)} the {quantity(way / fastest, 's', 2)} in which the"
+            f" slider moves by {quantity(way, 'm', 2)} at the highest speed."
         )
 
 
