@@ -135,3 +135,23 @@ def test_what_cannot_be_run_says_why(verdict):
     said = certificate_of(judgement, verdict.mechanism)
     assert said.startswith(NOT_RUN.format(""))
     assert "must be at least 0" in said
+
+
+def test_a_swing_with_a_spring_that_nobody_gave_is_said_to_lack_something():
+    inertia, step, angle, speed, angles = 0.6 * 0.35**2 + 0.003, 2e-4, 1.1, 0.0, []
+    for n in range(90_000):
+        if n % 50 == 0:
+            angles.append(angle)
+        force = -0.6 * 9.81 * 0.35 * np.sin(angle) - 0.15 * (angle - 0.1) - 0.003 * speed
+        free, most = speed + step * force / inertia, step * 0.011 / inertia
+        speed = 0.0 if abs(free) <= most else free - np.copysign(most, free)
+        angle += step * speed
+    noise = 6e-4 * np.random.default_rng(1).normal(size=len(angles))
+    swing = Measurement(
+        time=0.01 * np.arange(len(angles)), position=np.array(angles) + noise, turning=True
+    )
+    found = select(Pendulum(mass=0.6, length=0.35, inertia=0.003), None, swing)
+    assert found.certificate.is_incomplete
+    assert not found.certificate.is_beaten
+    assert "something of the mechanism is missing" in found.words.verdict
+    assert found.to_dict()["certificate"]["reading_error"] < 0.002

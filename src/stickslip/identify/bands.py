@@ -185,6 +185,8 @@ def correlation_of(values: Array) -> Array:
 
 FOLLOWED = 0.1
 """Error of a run, over the spread of the motion, up to which it follows."""
+MISSING = 3.0
+"""Error of the run of a free motion, over that of a reading, from which something is missing."""
 BEATEN = 1.25
 """Error over that of plain friction, and over that expected, from which plain is better."""
 
@@ -223,6 +225,8 @@ class RunCertificate(metaclass=Described):
     """Times [s] and smoothed positions [m] or [rad] of each piece of the records."""
     is_whole: bool = False
     """Whether a free motion was run whole."""
+    reading_error: float = math.nan
+    """Error of a reading of a free motion, over the spread of the motion [1]."""
 
     @property
     def typical(self) -> Stretch:
@@ -240,11 +244,20 @@ class RunCertificate(metaclass=Described):
         return bool(self.run_error > BEATEN * known)
 
     @property
+    def is_incomplete(self) -> bool:
+        """Whether the run of a free motion leaves more than readings are off."""
+        return bool(self.run_error > MISSING * self.reading_error)
+
+    @property
     def warning(self) -> str:
-        """What to say first if plain friction follows the motion better; empty if not."""
-        if not self.is_beaten:
-            return ""
+        """What to say first if the run does not follow as it should; empty if it does."""
         own = error_text(self.run_error)
+        if not self.is_beaten:
+            return self.is_incomplete * (
+                f"! {self._run}, this law and mechanism follow the motion to {own}, and a reading"
+                f" is off by {error_text(self.reading_error)}: something of the mechanism is"
+                " missing, such as a spring or a cable, and the band does not allow for it."
+            )
         return (
             f"! {self._run}, Coulomb + viscous friction by least squares follows the motion better"
             f" ({error_text(self.plain_error)} of its spread; this law and mechanism {own}): the"
@@ -268,7 +281,10 @@ class RunCertificate(metaclass=Described):
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the certificate as plain numbers; None for what is not known."""
-        names = ("run_error", "plain_error", "expected_error", "friction_work", "duration")
+        names = (
+            "run_error", "plain_error", "expected_error", "reading_error", "friction_work",
+            "duration",
+        )  # fmt: skip
         values = {name: float(getattr(self, name)) for name in names}
         known = {name: x if math.isfinite(x) else None for name, x in values.items()}
         return {**known, "plain_is_better": bool(self.is_beaten)}

@@ -12,7 +12,8 @@ A balance may explain the forces of a record and yet not make its motion: it nev
    and of a mean period of the motion at most, begin at smoothed measured states. The compiled
    engine runs them together, u having its mean in each of at most `STEPS` steps. The error is
    sqrt(median mse / median var), of the simulated position over the variance of the measured one
-   in a stretch. A free motion is run whole, from the start by which it is followed best.
+   in a stretch. A free motion is run whole, from the start by which it is followed best, and what
+   that leaves stands against the white noise of the readings.
 3. **Plain.** The same with Coulomb + viscous friction, and with what is looked for of the
    mechanism, by least squares on the rows of the balance: what anybody has in five lines.
 4. **Expected.** `DRAWS` laws of the posterior, each with its mechanism and a start that is off by
@@ -45,6 +46,7 @@ from stickslip.identify.problems.driven_runs import DrivenProblem
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import KNOTS, Candidate, begun
 from stickslip.identify.problems.record_rows import MIDDLE, Piece, mean_frequency
+from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.projection import names_of
 from stickslip.mechanisms import Axis, Mechanism, as_rotary, given_inputs
@@ -461,7 +463,13 @@ def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCert
         ),
         motion=tuple((item.time, item.values) for item in motion.motions),
         is_whole=True,
+        reading_error=max(map(_noise, problem.records)) / spread,
     )  # fmt: skip
+
+
+def _noise(record: Record) -> float:
+    """Return the standard deviation of the white noise of what is read of a free motion."""
+    return record.position_noise if record.located else record.velocity_noise
 
 
 def _left(problem: FreeMotionProblem, law: Candidate) -> Array | None:

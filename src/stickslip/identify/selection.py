@@ -570,7 +570,6 @@ def record_verdict(
     said = [*remarks, *(item.sentence for item in checks.of("volts"))]
     if isinstance(problem, FreeMotionProblem):
         said.append(SCALED)
-        said += run_sentences(problem, judgement, measurement)
     if begun := [record.began for record in problem.records if record.began is not None]:
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))
@@ -614,26 +613,10 @@ def certified(verdict: BandVerdict) -> BandVerdict:
         return verdict
     if isinstance(seen, str):
         return replace(verdict, words=replace(words, cannot_tell=(*words.cannot_tell, seen)))
-    warned = [seen.warning] * (verdict.best is not None and seen.is_beaten)
+    warned = [seen.warning] * (verdict.best is not None and bool(seen.warning))
     said = replace(
         words,
         verdict=" ".join((*warned, words.verdict)),
         lede=f"{words.lede} {seen}",
     )
     return replace(verdict, certificate=seen, words=said)
-
-
-def run_sentences(
-    problem: FreeMotionProblem, judgement: Judgement, measurement: Measurement
-) -> list[str]:
-    """Return how closely a run of the law that is handed over follows a free motion."""
-    if not judgement.named.structure:
-        return []
-    left = problem.followed(judgement.named)
-    unit = measurement.unit("position" if problem.balance.each[0].record.located else "velocity")
-    if not math.isfinite(left):
-        return ["A simulation with the law does not follow the motion."]
-    return [
-        f"A simulation with the law differs from the motion by {quantity(left, unit, 2)} (root mean"
-        f" square); a reading has an error of {quantity(problem.model.sigma, unit, 2)}."
-    ]

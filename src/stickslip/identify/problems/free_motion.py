@@ -1,7 +1,6 @@
 """Free motions as a problem of the judgement: swings, springs that decay, coast-downs."""
 
 import copy
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -31,10 +30,8 @@ from stickslip.identify.problems.free_runs import (
     RUN_PRIOR,
     RUNS,
     SIZES,
-    Candidate,
     Motion,
     RunModel,
-    begun,
     followed,
     judged,
 )
@@ -297,18 +294,6 @@ class FreeMotionProblem(Problem):
         motion = self.model.motion
         result = motion.values(self.model.beside(draws)[self.model.runs.ratio].T)
         return dict(zip(motion.paths, result.T, strict=True))
-
-    def followed(self, rung: Rung) -> float:
-        """Return what a run of the law of a rung leaves of the readings, root mean square.
-
-        How the motion starts and what no balance sees of the mechanism are free in it.
-        """
-        model, law = self.model, Candidate(structure=rung.structure, coefficients=rung.coefficients)
-        runs, x = begun(model.motion, law, alone=True)
-        x[KNOTS:] = model.linear.x[KNOTS:]
-        left = runs.beside(x)
-        residual = np.full(1, np.inf) if left is None else left.residual
-        return math.sqrt(float(np.mean(residual**2)))
 
     @cached_property
     def _between(self) -> tuple[Array, Array]:
