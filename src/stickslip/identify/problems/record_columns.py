@@ -336,7 +336,7 @@ class Balance:
         self.first: float = like.first if like else 0.0
         """Length of the best bristle [m]."""
         self.frame: RecordFrame = like.frame if like else frame_of(self.pieces, self.rows(1))
-        if len(self.frame.sides) == 1 and not self.measured and not rests:
+        if len(self.frame.sides) == 1 and self.driven and not rests:
             slowest = float(np.min(np.abs(self.rows(MIDDLE).velocity), initial=math.inf))
             self.take([piece.with_start(slowest) for piece in self.pieces])
             self.frame = like.frame if like else frame_of(self.pieces, self.rows(1))

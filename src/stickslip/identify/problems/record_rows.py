@@ -49,9 +49,10 @@ square where the motion goes one way: at 1 % of it, viscous friction of axes in 
 CUTOFFS = (0.7, 1.0, 1.4)
 """Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
 LOW, MIDDLE = 0, 1
-SEEN, RAISED, RAISES = 0.5, 1.3, 4
-"""Part of the motion that rows must have, factor by which the cutoff is raised else, and how often:
-of slips between rests little is away from rests at a low cutoff."""
+SEEN, RAISED, COSTLY = 0.5, 1.3, 0.012
+"""Part of the motion that rows must have, and factor by which the cutoff is raised else, up to
+another cost: of slips between rests, under a force that was recorded, little is away from rests at
+a low cutoff."""
 PERIODS = 8.0
 """Least cutoff over the frequency of the motion: else no speed is resolved between turns."""
 ON, BACK = 5.0, 0.1
@@ -227,8 +228,8 @@ def noise_in_motion(record: Record) -> float:
     return max(record.position_noise, float(np.quantile(parts, 0.2)) / math.sqrt(THIRD))
 
 
-def cutoff_of(record: Record) -> float:
-    """Return the cutoff of a record on an even grid [Hz]."""
+def cutoff_of(record: Record, cost: float = COST) -> float:
+    """Return the cutoff of a record on an even grid [Hz], at which noise has a cost."""
     step = float(record.time[1] - record.time[0])
     widest = Filter(count=len(record.time), step=step, band=0.2 / step, every=1)
     v, _ = motion(record, widest)
@@ -261,7 +262,7 @@ def cutoff_of(record: Record) -> float:
     # one way the force may hardly change, and noise matters beside its size
     both_ways = min(np.mean(v > 0.0), np.mean(v < 0.0)) > BACK
     whole = float(np.std(force) if both_ways else np.sqrt(np.mean(force**2)))
-    share = COST * whole / costs if costs > 0.0 else 1.0
+    share = cost * whole / costs if costs > 0.0 else 1.0
     band = most * min(share, 1.0) ** (2.0 / (5.0 if record.velocity is None else 3.0))
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
@@ -805,12 +806,12 @@ def pieces_of(
     if cutoff is None:
         cutoff = min(float(np.median([cutoff_of(grid) for grid in grids])), highest)
     pieces, every = _at(grids, cutoff)
-    highest = min(highest, HIGHEST, *(SAMPLES / piece.sample for piece in pieces))
-    for _ in range(RAISES if fitted else 0):
-        if _share(pieces) > SEEN or RAISED * cutoff > highest:
-            break
-        cutoff *= RAISED
-        pieces, every = _at(grids, cutoff)
+    driven = all(np.any(grid.force) and not grid.friction for grid in grids)
+    if fitted and driven and _share(pieces) < SEEN:
+        highest = min(highest, float(np.median([cutoff_of(grid, COSTLY) for grid in grids])))
+        while _share(pieces) < SEEN and RAISED * cutoff < highest:
+            cutoff *= RAISED
+            pieces, every = _at(grids, cutoff)
     if fitted and all(np.all(piece.still) and not piece.travels for piece in pieces):
         raise InputError(RESTS)
     return pieces, every
