@@ -22,7 +22,6 @@ from stickslip import (
     TowedBlock,
     TwoFeet,
     check,
-    compare_trials,
     engine,
     ensemble,
     fit,
@@ -126,9 +125,6 @@ MADE = {
     "prediction band": lambda: select(AXIS, None, TABLE).band([0.1, 0.5]),
     "foreseen": lambda: select(AXIS, None, TABLE).predict(
         replace(TABLE, friction=np.asarray(TABLE.friction) + 0.01)
-    ),
-    "comparison": lambda: compare_trials(
-        AXIS, CoulombViscous, Measurement(trials=(series(0), series(1)))
     ),
     "checks": lambda: check(series()),
     "finding": lambda: check(series()).findings[0],

@@ -71,7 +71,6 @@ from stickslip.identify.kinds import fit as fit
 from stickslip.identify.kinds import plan as plan
 from stickslip.identify.kinds import select as select
 from stickslip.identify.kinds import write_report as write_report
-from stickslip.identify.kinds.verbs import compare_trials as compare_trials
 from stickslip.mechanisms import Axis as Axis
 from stickslip.mechanisms import BlockChain as BlockChain
 from stickslip.mechanisms import Capsule as Capsule
@@ -163,7 +162,6 @@ __all__ = [
     "__version__",
     "animate",
     "check",
-    "compare_trials",
     "ensemble",
     "export",
     "fit",

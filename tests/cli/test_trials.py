@@ -1,6 +1,5 @@
-"""``stickslip fit`` and ``select`` say whether several trials share one law."""
+"""``stickslip select`` says by how much several trials differ."""
 
-import json
 import re
 
 import numpy as np
@@ -44,21 +43,10 @@ def run(*arguments):
 
 
 @pytest.mark.slow
-def test_fit_says_that_the_trials_do_not_share_one_law_and_which_column_is_not_used(folder):
-    said = run("fit", "rig.toml", "--law", "coulomb-viscous")
-    assert "The trials do not share one law (p < 0.001)" in said
-    assert "Column 'temperature' is not used but differs between the trials" in said
-
-
-@pytest.mark.slow
-def test_fit_names_the_condition_that_explains_it(folder):
-    (folder / "rig.toml").write_text(RIG + 'conditions = ["temperature"]\n')
-    said = run("fit", "rig.toml", "--law", "coulomb-viscous")
-    assert re.search(r"F_c rises from 5\.4\S* N at 20 °C to 6\.[12]\S* N at 60 °C", said)
-    found = json.loads(run("fit", "rig.toml", "--law", "coulomb-viscous", "--json"))["trials"]
-    assert [entry["conditions"] for entry in found["trials"]] == [
-        {"temperature [degC]": value} for value in (20.0, 40.0, 60.0)
-    ]
+def test_select_says_by_how_much_trials_differ_with_the_temperature(folder):
+    said = run("select", "rig.toml", "--laws", "coulomb-viscous")
+    assert re.search(r"Friction rises by 1\d % where the temperature goes from 2\d", said)
+    assert "is not used" not in said
 
 
 def test_one_record_says_nothing_of_trials(folder):

@@ -9,7 +9,6 @@ from stickslip import (
     Measurement,
     RecordSettings,
     SpringBlock,
-    compare_trials,
     fit,
     load_rig,
     select,
@@ -21,7 +20,7 @@ SPEED = np.concatenate([-np.linspace(0.1, 1.0, 40), np.linspace(0.1, 1.0, 40)])
 MAP = Measurement(velocity=SPEED, friction=3.0 * np.sign(SPEED) + 0.01 * np.cos(20.0 * SPEED))
 
 
-@pytest.mark.parametrize("verb", [fit, select, compare_trials])
+@pytest.mark.parametrize("verb", [fit, select])
 @pytest.mark.parametrize(
     ("mechanism", "measurement", "words"),
     [

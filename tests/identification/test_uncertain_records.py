@@ -16,7 +16,6 @@ from stickslip import (
     DirectionDependent,
     Measurement,
     PendulumCart,
-    compare_trials,
     fit,
     simulate,
 )
@@ -152,20 +151,6 @@ def test_what_each_trial_sets_and_what_they_share_widens_intervals():
     # what is set anew for each trial averages out less in the balance, as one number for all
     assert min(halves) > NORMAL_95 * 0.02 * 0.2 / np.sqrt(2.0)
     assert max(halves) < 1.3 * NORMAL_95 * 0.02 * 0.2
-
-
-def test_trials_that_differ_by_no_more_than_their_loads_do_share_a_law():
-    """Loads of 20 N that are 2 % too small and too large, each set to 2 %."""
-    trials = [replace(trial, overrides={N: 20.0}) for trial in both(19.6, 20.4).trials]
-    sure = compare_trials(AXIS, CoulombViscous, Measurement(trials=trials))
-    set_to = Measurement(trials=trials, parameter_uncertainties={N: 0.4})
-    assert not sure.shared
-    assert compare_trials(AXIS, CoulombViscous, set_to).shared
-    # a load that all trials share makes no difference between them
-    measurement = Measurement(
-        trials=[replace(t, overrides={}) for t in trials], parameter_uncertainties={N: 0.4}
-    )
-    assert not compare_trials(AXIS, CoulombViscous, measurement).shared
 
 
 def test_uncertainties_without_effect_are_refused():

@@ -827,3 +827,19 @@ def test_the_start_of_a_step_tells_friction_of_slow_speeds(seed):
     v = np.array([3.0, 10.0, 25.0])
     band = own.band(v)
     assert np.all((band.low < level + viscous * v) & (level + viscous * v < band.high))
+
+
+@pytest.mark.parametrize("last", [5.0, 6.0])
+def test_trials_whose_friction_differs_are_said_to_differ_and_equal_ones_are_not(last):
+    random, time = np.random.default_rng(0), 0.005 * np.arange(600)
+    trials = []
+    for number, level in enumerate((5.0, 5.0, last), 1):
+        velocity = 0.3 * np.sin(2.0 * np.pi * (0.7 + 0.1 * number) * time)
+        friction = level * np.sign(velocity) + 4.0 * velocity + 0.1 * random.normal(size=600)
+        trials.append(Measurement(time=time, velocity=velocity, friction=friction))
+    own = select(Axis(inertia=1.0), [CoulombViscous], Measurement(trials=tuple(trials)))
+    found = [finding for finding in own.findings if finding.term == "run" and finding.asserted]
+    if last == 5.0:
+        assert not found
+    else:  # the standard deviation of 5, 5 and 6 N over friction of 6 N in the mean
+        assert found[0].low < np.std([5.0, 5.0, 6.0]) * np.sqrt(1.5) / 6.0 < found[0].high

@@ -224,7 +224,6 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_band: "band must be a Band",
         plots.plot_measurement: "measurement must be a Measurement",
         plots.plot_validation: "seen must be a Validation",
-        plots.plot_trials: "comparison must be a TrialComparison",
         plots.plot_optimum: "optimum must be an Optimum",
         plots.plot_velocity_band: "result must be a VelocityBand",
         plots.plot_closed_loop: "loop must be a ClosedLoop",

@@ -21,7 +21,6 @@ from stickslip.data import (
     Rig,
     carried,
     carried_by_contact,
-    condition_name,
     estimates_by_contact,
     grouped,
     load_rig,
@@ -44,7 +43,6 @@ from stickslip.identify.kinds import (
     AnyKind,
     Law,
     Request,
-    TrialComparison,
     as_judged,
     drawn_laws,
     kind_of,
@@ -52,7 +50,7 @@ from stickslip.identify.kinds import (
 )
 from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
-from stickslip.show.formatting import joined, number, printable, significant, unit_text, within
+from stickslip.show.formatting import joined, number, printable, unit_text, within
 
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
 
@@ -687,33 +685,3 @@ def show_open(words: Wording) -> None:
             console.print(f"\n{title}", style="bold")
         for line in lines:
             console.print(f"  {terminal.plain(line)}")
-
-
-def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
-    """Return the comparison as a part of what a command writes as JSON."""
-    return {} if comparison is None else {"trials": comparison.to_dict()}
-
-
-def show_trials(comparison: TrialComparison | None) -> None:
-    """Print whether the trials share one law, and by trial what was fitted where they do not."""
-    if comparison is None:
-        return
-    console = terminal.stdout()
-    console.print("\nTrials", style="bold")
-    for line in comparison.sentences:
-        console.print(f"  {terminal.plain(line)}")
-    if not comparison.trials or (comparison.shared and not comparison.conditions):
-        return
-    symbols = [estimate.quantity.symbol for estimate in comparison.trials[0].estimates]
-    heads = ["trial", *map(condition_name, comparison.conditions)]
-    heads += [head for symbol in symbols for head in (symbol, "95 %")]
-    rows = []
-    for trial in comparison.trials:
-        row = [trial.name]
-        for name in comparison.conditions:
-            value = trial.conditions.get(name)
-            row.append(significant(value, 4) if isinstance(value, float) else value or "")
-        for item in trial.estimates:
-            row += [significant(item.value, 4), item.range if item.bounded else "open"]
-        rows.append([terminal.plain(cell) for cell in row])
-    terminal.show_table("", heads, rows, whole=heads)

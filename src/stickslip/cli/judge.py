@@ -235,13 +235,11 @@ def run_fit(options: FitOptions) -> None:
             **result.to_dict(),
             "checks": checks.to_dict(),
             "second_record": shown.second,
-            **inputs.content_of(shown.trials),
         }
         terminal.print_json(documents.document("fit", content))
         return
     inputs.show_warnings(checks)
     _show_fit(result, shown)
-    inputs.show_trials(shown.trials)
     if output is not None:
         terminal.stdout().print(f"\nRig file of the fitted law: {output}")
 

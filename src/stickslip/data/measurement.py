@@ -345,7 +345,7 @@ class Measurement(Tabular, InPanels):
         by all of them, but for a parameter that trials override, which was set anew for each.
     conditions : mapping of str to float or str, optional
         What else was different, such as ``{"temperature [degC]": 20, "direction": "up"}``, by name
-        with its unit if it has one. `compare_trials` asks whether friction depends on it.
+        with its unit if it has one. A law with an input of that name takes its value.
     inputs : mapping of str to array (n,), float or mapping of str to these, optional
         What laws may ask of the contact beside speed and load, by its name, such as
         ``{"temperature": [20.0, 20.1]}``: a temperature [degC], the torque that a gear transmits.

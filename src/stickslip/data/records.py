@@ -421,7 +421,7 @@ def load_measurement(
         for.
     conditions : str or sequence of str, optional
         Columns that hold a condition of the trial, such as a temperature or a direction: one value
-        in each trial, a number or a text. See `compare_trials`.
+        in each trial, a number or a text.
     motor_constant : float, str or mapping of str to float or str, optional
         Force or torque over the current of the motor, with its gears [N/A or N m/A], such as
         ``"0.12 N m/A"``: the column ``current`` is then read as the force. By joint where several

@@ -29,8 +29,6 @@ from stickslip.identify.kinds import SimulatedFit as SimulatedFit
 from stickslip.identify.kinds import SimulatedVerdict as SimulatedVerdict
 from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
-from stickslip.identify.kinds import TrialComparison as TrialComparison
-from stickslip.identify.kinds.trials import ConditionLine as ConditionLine
 from stickslip.identify.ladder import ladder_rows as ladder_rows
 from stickslip.identify.ladder import probability_text as probability_text
 from stickslip.identify.laws import CurvePoint as CurvePoint
@@ -38,12 +36,7 @@ from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import MeasuredCurves as MeasuredCurves
 from stickslip.identify.page import sections_of as sections_of
 from stickslip.identify.page import verdict_sections as verdict_sections
-from stickslip.identify.posterior import allotted as allotted
 from stickslip.identify.problems.record_checks import sign_findings as sign_findings
-from stickslip.identify.problems.table_model import INPUT as INPUT
-from stickslip.identify.problems.table_model import INPUTS_PRIOR as INPUTS_PRIOR
-from stickslip.identify.problems.table_model import RUNS as RUNS
-from stickslip.identify.problems.table_model import RUNS_PRIOR as RUNS_PRIOR
 from stickslip.identify.problems.travels import INSENSITIVE as INSENSITIVE
 from stickslip.identify.problems.travels import TravelJudgement as TravelJudgement
 from stickslip.identify.problems.travels import USUAL_LAWS as USUAL_LAWS
@@ -81,7 +74,6 @@ __all__ = [
     "SimulatedVerdict",
     "TravelFit",
     "TravelVerdict",
-    "TrialComparison",
     "Verdict",
     "fits",
     "kinds",

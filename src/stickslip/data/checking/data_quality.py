@@ -294,13 +294,13 @@ def unused(records: Sequence[measurement.Measurement], used: Collection[str]) ->
         values = [record.unused.get(name) for record in records]
         known = {value for value in values if value is not None}
         (apart if len(known) > 1 and None not in values else rest).append(name)
-    for name in apart:
+    inputs = [name for name in records[0].inputs if all(name in trial.inputs for trial in records)]
+    for name in (name for name in apart if name not in inputs):
         text = (
-            f"Column {name!r} is not used but differs between the trials: declare it as a"
-            " condition to fit each trial separately."
+            f"Column {name!r} is not used but differs between the trials: what friction changes"
+            " with it is part of the difference between runs."
         )
         yield remark("unused column", "warning", text)
-    inputs = [name for name in records[0].inputs if all(name in trial.inputs for trial in records)]
     rest = [name for name in rest if name not in inputs]
     if inputs:
         text = (

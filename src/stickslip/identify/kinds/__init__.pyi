@@ -38,7 +38,6 @@ from stickslip.identify.kinds.travel_plan import setting_of as setting_of
 from stickslip.identify.kinds.travels import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels import TravelFit as TravelFit
 from stickslip.identify.kinds.travels import TravelVerdict as TravelVerdict
-from stickslip.identify.kinds.trials import TrialComparison as TrialComparison
 from stickslip.identify.kinds.velocity_steps import fit_rate_state as fit_rate_state
 from stickslip.identify.kinds.verbs import fit as fit
 from stickslip.identify.kinds.verbs import select as select

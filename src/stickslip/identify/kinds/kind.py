@@ -20,7 +20,6 @@ from stickslip.identify.fits import (
     known_inputs,
     names_of,
 )
-from stickslip.identify.kinds.trials import TrialComparison
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import NO_VALUE, EstimateText, number, with_unit
 from stickslip.show.report import Cell, Name, Number, Origin, Row, SectionMaker, Table
@@ -223,8 +222,6 @@ class FitSummary:
     """What is left open, below a heading."""
     second: float | Mapping[str, float] | None = None
     """Error on a second record, for documents."""
-    trials: TrialComparison | None = None
-    """Whether several trials share the law."""
 
 
 class Kind(ABC, Generic[F, V]):

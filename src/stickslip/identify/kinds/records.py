@@ -34,7 +34,6 @@ from stickslip.identify.kinds.kind import (
     Kind,
     Request,
 )
-from stickslip.identify.kinds.trials import compared
 from stickslip.show.formatting import joined
 from stickslip.show.report import Origin, SectionMaker
 
@@ -100,7 +99,6 @@ class BandKind(Kind[LawFit, BandVerdict]):
             lines=[*lines, *fit.remarks],
             open=("Limitations", fit.sentences),
             second=second,
-            trials=compared(fit, lambda **given: self.fit(Request(**given))),
         )
 
     def sections(

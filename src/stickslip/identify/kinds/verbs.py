@@ -10,9 +10,8 @@ from typing_extensions import TypeVar
 
 from stickslip.data import Measurement, as_tolerance, as_turning
 from stickslip.engine.executors import threads
-from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, RateState
-from stickslip.identify import JointLawFit, LawFit
+from stickslip.identify import JointLawFit
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, RecordSettings, check_given
 from stickslip.identify.kinds.kind import Request, SeveralLaws
@@ -24,7 +23,6 @@ from stickslip.identify.kinds.registry import (
     refuse_uninformed,
     refuse_unused,
 )
-from stickslip.identify.kinds.trials import TrialComparison, comparison_of, refuse_alone
 from stickslip.mechanisms import Mechanism, as_rotary
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
@@ -283,75 +281,6 @@ def select(
     with _one_thread():
         verdict: Verdict = kind.select(_chosen(kind, request))
     return verdict
-
-
-def compare_trials(
-    mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw] | str,
-    measurement: Measurement,
-    *,
-    vary: str | Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    settings: RecordSettings | None = None,
-) -> TrialComparison:
-    """Fit one law to all trials and to each alone, and ask whether they share it.
-
-    The trials are records in time or measured friction. What is looked for beside the law, such as
-    a mass or the offset of a sensor, is one number of all trials. `Measurement.conditions` of the
-    trials say what was different; each parameter is a line over each numeric condition.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; trials may override its parameters.
-    law : FrictionLaw, type or str
-        An instance, whose values are held where they are not varied; or a type or a name.
-    measurement : Measurement
-        Trials with records in time or measured friction, at least two.
-    vary : str or sequence of str, optional
-        Parameters to fit, as for `fit`.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI], of law and mechanism.
-    settings : RecordSettings, optional
-        How forces run between samples.
-
-    Returns
-    -------
-    TrialComparison
-        Estimates by trial, the probability that they differ, lines over conditions, and sentences.
-
-    Raises
-    ------
-    InputError
-        If the measurement does not serve: it has one trial, fewer than two of them move, or each is
-        a single travel or the force of a spring.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from stickslip import Axis, CoulombViscous
-    >>> draw, v = np.random.default_rng(0), np.linspace(-1.0, 1.0, 60)
-    >>> trials = [
-    ...     Measurement(
-    ...         velocity=v,
-    ...         friction=(2.0 + 0.01 * t) * np.sign(v) + 0.5 * v + 0.05 * draw.normal(size=60),
-    ...         conditions={"temperature [degC]": t},
-    ...     )
-    ...     for t in (20.0, 40.0, 60.0)
-    ... ]
-    >>> found = compare_trials(Axis(inertia=1.0), CoulombViscous, Measurement(trials=tuple(trials)))
-    >>> found.shared, [line.path for line in found.lines if line.clear]
-    (False, ['friction.kinetic_coefficient'])
-    """
-    check_given("compare_trials", mechanism, measurement)
-    refuse_alone(measurement)
-    joint = fit(mechanism, law, measurement, vary=vary, fixed=fixed, settings=settings)
-    if not isinstance(joint, LawFit):
-        raise InputError(
-            "trials are compared of records in time or of tables, and this measurement is neither:"
-            " fit its trials one by one."
-        )
-    return comparison_of(joint, fit, settings)
 
 
 def _one_thread() -> AbstractContextManager[object]:

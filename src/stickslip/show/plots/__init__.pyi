@@ -31,10 +31,8 @@ from stickslip.show.plots.laws import plot_presliding as plot_presliding
 from stickslip.show.plots.laws import presliding_sizes as presliding_sizes
 from stickslip.show.plots.measurements import draw_overview as draw_overview
 from stickslip.show.plots.measurements import draw_sketch as draw_sketch
-from stickslip.show.plots.measurements import draw_trials as draw_trials
 from stickslip.show.plots.measurements import overview_size as overview_size
 from stickslip.show.plots.measurements import plot_measurement as plot_measurement
-from stickslip.show.plots.measurements import plot_trials as plot_trials
 from stickslip.show.plots.measurements import schematic as schematic
 from stickslip.show.plots.measurements import sketch as sketch
 from stickslip.show.plots.runs import FORCE_SIZES as FORCE_SIZES
@@ -142,7 +140,6 @@ __all__ = [
     "draw_scene",
     "draw_sensitivity",
     "draw_sketch",
-    "draw_trials",
     "draw_validation",
     "draw_velocity_band",
     "draw_velocity_map",
@@ -165,7 +162,6 @@ __all__ = [
     "plot_run",
     "plot_runs",
     "plot_sweep",
-    "plot_trials",
     "plot_validation",
     "plot_velocity_band",
     "plot_verdict",

@@ -11,13 +11,13 @@ from stickslip.data import Measurement
 from stickslip.engine.trajectory import Ensemble, Trajectory
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify import TrialComparison, Verdict
+from stickslip.identify import Verdict
 from stickslip.identify.fits import Fit
 from stickslip.show.display import InPanels
 from stickslip.show.plots import laws
 from stickslip.show.plots.axes import Panels, PanelTarget
 from stickslip.show.plots.fits import plot_fit, plot_verdict
-from stickslip.show.plots.measurements import plot_measurement, plot_trials
+from stickslip.show.plots.measurements import plot_measurement
 from stickslip.show.plots.runs import plot_closed_loop, plot_run
 from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_optimum, plot_validation
 from stickslip.show.plots.svg import standalone_svg
@@ -34,7 +34,6 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         sweep.Validation: plot_validation,
         ClosedLoop: plot_closed_loop,
         Fit: plot_fit,
-        TrialComparison: plot_trials,
         Verdict: plot_verdict,
         PreslidingLoop: laws.plot_presliding,
         FrictionLaw: laws.plot_law,
