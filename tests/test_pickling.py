@@ -133,7 +133,6 @@ MADE = {
 """How one of each kind of result is made."""
 
 SLOW = {
-    "plan": lambda: plan(BLOCK, ["coulomb", "viscous"], uncertainty=0.004),
     "plan of readings": lambda: plan(AXIS, None, TABLE, readings=3),
     "band": lambda: band_of(
         BLOCK, LAW, LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.24, 0.26)}),

@@ -10,7 +10,6 @@ import pytest
 from stickslip import (
     Capsule,
     Coulomb,
-    CoulombViscous,
     Dahl,
     Measurement,
     SpringBlock,
@@ -19,7 +18,6 @@ from stickslip import (
     fit,
     load_measurement,
     load_rig,
-    plan,
     select,
     simulate,
 )
@@ -360,16 +358,6 @@ def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():
     assert verdict.best.name == "coulomb"
     assert not coulomb.dropped
     assert "does not bring the body to rest: at t_end = 5 s it still moves" in viscous.dropped
-
-
-def test_a_plan_leaves_out_what_does_not_come_to_rest():
-    sheet = plan(SLOPE, [Coulomb, CoulombViscous, Viscous], t_end=5.0)
-    assert "viscous" not in sheet.laws
-    assert any(
-        "Viscous friction does not bring the body to rest" in remark for remark in sheet.remarks
-    )
-    with pytest.raises(InputError, match=r"Viscous friction does not bring the body to rest"):
-        plan(SLOPE, [Viscous], t_end=5.0)
 
 
 def test_travels_of_what_drives_itself_are_those_of_the_run():

@@ -22,11 +22,10 @@ from stickslip.cli.options import (
     SelectOptions,
 )
 from stickslip.data import Checks, Rig, as_tolerance, check, refusal, refuse_same
-from stickslip.errors import InputError, concerning
+from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identify import Verdict, kinds
 from stickslip.identify.fits import Fit, far_above_dry
-from stickslip.quantities import Quantity, parameters
 from stickslip.show import documents
 from stickslip.show.formatting import in_words, number
 from stickslip.show.report import Origin, Page, render
@@ -316,45 +315,25 @@ def _show_fit(result: Fit, shown: kinds.FitSummary) -> None:
 def run_plan(options: PlanOptions) -> None:
     """Plan, write the table to fill in, show."""
     rig = inputs.rig_with(options, terminal.overrides(options.changes))
-    travels, laws, further = rig.measurement, laws_of(rig, options.laws), None
-    if options.data or (travels is not None and kinds.is_further(rig.mechanism, travels)):
-        names = [item.name for item in fields(MeasuredOptions) if hasattr(options, item.name)]
-        given = MeasuredOptions(**{name: getattr(options, name) for name in names})
-        kind, request, _ = inputs.measured(rig, given)
-        travels = request.measurement
-        if kinds.is_further(rig.mechanism, travels):
-            further = kind, replace(request, laws=laws)
-    given_too = vars(options) | {"vary": options.vary or None}
-    kinds.refuse_ignored(given_too, further=further is not None, prefix="--")
+    if rig.measurement is None and not options.data:
+        raise InputError(kinds.UNMEASURED)
+    names = [item.name for item in fields(MeasuredOptions) if hasattr(options, item.name)]
+    given = MeasuredOptions(**{name: getattr(options, name) for name in names})
+    kind, request, _ = inputs.measured(rig, given)
+    request = replace(request, laws=laws_of(rig, options.laws))
     output = options.output
-    result: kinds.Plan | kinds.FurtherPlan
     if output is not None:
         if output.suffix.lower() != ".csv":
             raise InputError(f"the table to fill in is written as a .csv file, got {output}.")
+        if kind.content != "tables":
+            raise InputError(
+                f"-o writes readings to make beside a table of friction, not beside"
+                f" {kind.measured}: leave it out."
+            )
         terminal.refuse_overwriting(output, output.parent, force=options.force)
         terminal.refuse_inputs(output, [rig.path, *rig.files, *options.data])
-    if further is not None:
-        if output is not None and further[0].content != "tables":
-            raise InputError(f"-o writes readings to make, and {further[0].measured} have none.")
-        result = kinds.further_plan(_selected(*further), options.readings)
-        text = result.csv(rig.reading.with_changes(terminal.reading_of(options)))
-    else:
-        knob = kinds.setting_of(rig.mechanism, travels, rig.t_end)
-        between = _between(knob, rig, options.between)
-        if not options.as_json:
-            terminal.note("Simulating the predictions of the laws ...")
-        result = kinds.plan(
-            rig.mechanism,
-            laws,
-            measurement=travels,
-            parameter_uncertainties=rig.parameter_uncertainties,
-            between=between,
-            settings=options.settings,
-            uncertainty=None if options.uncertainty is None else _uncertainty(options.uncertainty),
-            t_end=rig.t_end,
-            readings=options.readings,
-        )
-        text = result.csv()
+    result = kinds.plan_of(_selected(kind, request), options.readings)
+    text = result.csv(rig.reading.with_changes(terminal.reading_of(options)))
     files = [output] if output is not None and text else []  # there may be nothing worth reading
     if output is not None and text:
         code = getattr(rig.reading.layout, "encoding", "utf-8")
@@ -389,24 +368,8 @@ def _refuse_loss(table: Path, text: str, code: str) -> None:
         raise InputError(f"{table} has rows that the new table lacks: move it, or give another -o.")
 
 
-def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:
-    """Return the ends of a range, in the unit of what is set."""
-    known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
-    return None if text is None else terminal.range_of("--between", text, known[path])
-
-
-def _uncertainty(text: str) -> float:
-    with concerning("--uncertainty"):
-        return terminal.number_of(text, Quantity("u_s", "m", above=0))
-
-
-def _show_plan(plan: kinds.Plan | kinds.FurtherPlan) -> None:
+def _show_plan(plan: kinds.Plan) -> None:
     console = terminal.stdout()
-    if isinstance(plan, kinds.Plan):
-        terminal.show_sections(kinds.plan_sections(plan))
-        console.print("\nSave the travels as a CSV file with these columns", style="bold")
-        console.print(f"  {plan.csv().splitlines()[0]}")
-        return
     for line in plan.lines or [plan.sentence]:
         console.print(f"\n{terminal.plain(line)}")
     if len(rows := plan.to_dataframe()):

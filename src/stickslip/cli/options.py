@@ -603,31 +603,21 @@ class OrbitOptions(LawOptions, WriteOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanOptions(RigOptions, DataOptions, WriteOptions):
-    """Plan measurements.
+class PlanOptions(RigOptions, DataOptions, LawsOption, WriteOptions):
+    """Plan the next measurement.
 
-    Of a table of friction that was measured, it lists the readings that narrow the 95 % band most,
-    with the width to expect; of records, the further record. Of travels it proposes settings,
-    number of repeats and uncertainty, and lists the laws that they discriminate.
+    Says what narrows most what a first measurement leaves open. Of a table of friction, it lists
+    the readings that narrow the 95 % band most, with the width to expect; of travels, settings of
+    the rig; of records, the further record.
     """
 
     readings: Annotated[int | None, typer.Option(min=1)] = None
-    """Number of readings, or of runs to rest, at most; default: as many as a table has."""
+    """Number of readings of a table; default: no more than the table has."""
     vary: Names = ()
     """Parameters to fit to records, as for `stickslip select`."""
     route: str | None = None
     """Estimation method, as for `stickslip select`."""
 
-    laws: Annotated[str | None, typer.Option("--law", "--laws")] = None
-    """Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file."""
-    between: Annotated[str | None, typer.Option(metavar="LOW..HIGH")] = None
-    """Range of settings of the rig, e.g. 40mm..100mm; default: those of the trials and the rig
-    file, or 0.4 to 1 times the value in the rig file."""
-    settings: int | None = None
-    """Number of settings, 2 to 12; default: 4."""
-    uncertainty: str | None = None
-    """Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm; default: that of
-    the rig's trials, or 2 % of the longest travel."""
     output: Output = None
     """Table of the readings to make, to fill in (CSV); `stickslip select --data` reads it."""
 

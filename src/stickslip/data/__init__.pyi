@@ -4,7 +4,6 @@ from stickslip.data.checking.data_quality import CURE as CURE
 from stickslip.data.checking.data_quality import Checks as Checks
 from stickslip.data.checking.data_quality import MainsLine as MainsLine
 from stickslip.data.checking.data_quality import check as check
-from stickslip.data.checking.data_quality import faults as faults
 from stickslip.data.checking.data_quality import findings_text as findings_text
 from stickslip.data.checking.data_quality import is_narrow as is_narrow
 from stickslip.data.checking.data_quality import lines_of as lines_of
@@ -43,8 +42,6 @@ from stickslip.data.measurement import Line as Line
 from stickslip.data.measurement import Measurement as Measurement
 from stickslip.data.measurement import QUANTITIES as QUANTITIES
 from stickslip.data.measurement import as_turning as as_turning
-from stickslip.data.measurement import condition_name as condition_name
-from stickslip.data.measurement import condition_unit as condition_unit
 from stickslip.data.measurement import levels_at as levels_at
 from stickslip.data.measurement import tells_load as tells_load
 from stickslip.data.measurement import unit_of_input as unit_of_input

@@ -23,7 +23,6 @@ from stickslip.identify.joints import JointVerdict as JointVerdict
 from stickslip.identify.joints import fit_joints as fit_joints
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
-from stickslip.identify.kinds import FurtherPlan as FurtherPlan
 from stickslip.identify.kinds import Plan as Plan
 from stickslip.identify.kinds import SimulatedFit as SimulatedFit
 from stickslip.identify.kinds import SimulatedVerdict as SimulatedVerdict
@@ -42,8 +41,6 @@ from stickslip.identify.problems.travels import TravelJudgement as TravelJudgeme
 from stickslip.identify.problems.travels import USUAL_LAWS as USUAL_LAWS
 from stickslip.identify.problems.travels import band_of as band_of
 from stickslip.identify.problems.travels import judged_travels as judged_travels
-from stickslip.identify.problems.travels import knob_of as knob_of
-from stickslip.identify.problems.travels import propagated as propagated
 from stickslip.identify.selection import select_record as select_record
 from stickslip.identify.selection import select_table as select_table
 from stickslip.identify.thresholds import THRESHOLDS as THRESHOLDS
@@ -62,7 +59,6 @@ __all__ = [
     "Estimate",
     "Fit",
     "Foreseen",
-    "FurtherPlan",
     "Interval",
     "JointVerdict",
     "LawCandidate",

@@ -8,7 +8,6 @@ from stickslip.engine.solver.block_diagram import BreakAway as _BreakAway
 from stickslip.engine.solver.block_diagram import SoftConstraint as _SoftConstraint
 from stickslip.engine.solver.compile.modules import Progress as Progress
 from stickslip.engine.solver.compile.modules import WarmUp as WarmUp
-from stickslip.engine.solver.compile.modules import notice as notice
 from stickslip.engine.solver.compile.modules import object_files as object_files
 from stickslip.engine.solver.compile.modules import warm_up as warm_up
 from stickslip.engine.solver.delays import lines_of as lines_of

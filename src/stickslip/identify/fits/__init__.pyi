@@ -72,10 +72,8 @@ from stickslip.identify.fits.shooting.multiple_shooting import DELAY as DELAY
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting as Shooting
 from stickslip.identify.fits.shooting.segments import measured_quantity as measured_quantity
 from stickslip.identify.fits.shooting.segments import segments_of as segments_of
-from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identify.fits.travel_model import TravelModel as TravelModel
 from stickslip.identify.fits.travel_model import Trial as Trial
-from stickslip.identify.fits.travel_model import driven_on as driven_on
 from stickslip.identify.fits.travel_model import durations as durations
 from stickslip.identify.fits.travel_model import is_rig as is_rig
 from stickslip.identify.fits.travel_model import last_digit as last_digit
@@ -93,7 +91,6 @@ from stickslip.identify.fits.validation import check_varied as check_varied
 from stickslip.identify.fits.validation import covers as covers
 from stickslip.identify.fits.validation import fixed_values as fixed_values
 from stickslip.identify.fits.validation import law_quantities as law_quantities
-from stickslip.identify.fits.validation import laws_of as laws_of
 from stickslip.identify.fits.validation import names_of as names_of
 from stickslip.identify.fits.validation import refuse_of_laws as refuse_of_laws
 from stickslip.identify.fits.validation import varied_paths as varied_paths

@@ -8,10 +8,10 @@ from stickslip.identify.kinds.kind import Request as Request
 from stickslip.identify.kinds.kind import data_row as data_row
 from stickslip.identify.kinds.kind import page_table as page_table
 from stickslip.identify.kinds.kind import terminal_table as terminal_table
-from stickslip.identify.kinds.plan_sheet import FurtherPlan as FurtherPlan
-from stickslip.identify.kinds.plan_sheet import Plan as Plan
-from stickslip.identify.kinds.plan_sheet import further_plan as further_plan
-from stickslip.identify.kinds.plan_sheet import plan_sections as plan_sections
+from stickslip.identify.kinds.plans import Plan as Plan
+from stickslip.identify.kinds.plans import UNMEASURED as UNMEASURED
+from stickslip.identify.kinds.plans import plan as plan
+from stickslip.identify.kinds.plans import plan_of as plan_of
 from stickslip.identify.kinds.registry import AnyKind as AnyKind
 from stickslip.identify.kinds.registry import as_judged as as_judged
 from stickslip.identify.kinds.registry import kind_of as kind_of
@@ -31,10 +31,6 @@ from stickslip.identify.kinds.simulated import SimulatedCandidate as SimulatedCa
 from stickslip.identify.kinds.simulated import SimulatedFit as SimulatedFit
 from stickslip.identify.kinds.simulated import SimulatedKind as SimulatedKind
 from stickslip.identify.kinds.simulated import SimulatedVerdict as SimulatedVerdict
-from stickslip.identify.kinds.travel_plan import is_further as is_further
-from stickslip.identify.kinds.travel_plan import plan as plan
-from stickslip.identify.kinds.travel_plan import refuse_ignored as refuse_ignored
-from stickslip.identify.kinds.travel_plan import setting_of as setting_of
 from stickslip.identify.kinds.travels import TravelCandidate as TravelCandidate
 from stickslip.identify.kinds.travels import TravelFit as TravelFit
 from stickslip.identify.kinds.travels import TravelVerdict as TravelVerdict
