@@ -66,6 +66,7 @@ def holding():
         return engines.run(repeats=1, tiers=PYTHON, seconds=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", quick(RESULTS, "decay", "sampled"))
 def test_every_solver_of_a_benchmark_stays_below_the_stated_error(results, case):
     result = results(case)

@@ -65,6 +65,7 @@ def test_a_swing_loses_energy_and_its_length_is_given_off():
     assert 0.02 < last / first < 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["decays", "steps", "travels"])
 def test_select_with_one_law_gives_the_numbers_of_fit_for_other_kinds(kind):
     result = fits.fitted(kind, 1, 0)

@@ -43,6 +43,7 @@ def cart(walk, tmp_path):
     return make
 
 
+@pytest.mark.slow
 def test_a_carried_law_is_compared_with_the_record_and_refitted(walk, cart):
     rig = cart(0.2)
     code, out, _ = walk("simulate", rig, "--law", "law.toml", "--refit", "--ensemble", 50)

@@ -30,6 +30,7 @@ def film(period: float, rate: float, noise: float, seed: int, stated: float | No
     return Measurement(time=time, position=x, overrides={PERIOD: stated or period})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [30.0, 60.0, 240.0])
 def test_travels_lie_within_their_uncertainty_of_the_true_ones(rate: float) -> None:
     errors = []

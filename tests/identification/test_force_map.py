@@ -134,6 +134,7 @@ def values_of(found):
     return {one.path.removeprefix("mechanism."): one.value for one in found.estimates}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SLIDING)
 def test_a_law_of_speed_alone_gives_its_parameters_back(name):
     record = record_of(TRUE[name], rate=200.0)

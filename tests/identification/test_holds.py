@@ -32,6 +32,7 @@ def along(measurement, hold=None):
     return fit(Axis(inertia=3.0), CoulombViscous, measurement, vary="inertia", settings=settings)
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_mass_whichever_hold_nobody_gave():
     held = 0
     for hold in ("zero", "first"):

@@ -66,6 +66,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_motors_and_lengths_are_found_though_forces_are_not_linear_in_them(case, measured):
     guess, truth = CASES[case]

@@ -105,6 +105,7 @@ def test_what_one_voltage_cannot_separate_is_named_and_known_widely():
     assert damping == pytest.approx(0.02 + 0.35**2 / 3.2, rel=0.01)
 
 
+@pytest.mark.slow
 def test_with_one_of_them_known_the_others_are_found(plain):
     record = replace(plain, current=None)
     found = by(

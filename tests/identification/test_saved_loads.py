@@ -62,6 +62,7 @@ def test_a_load_that_varies_is_saved_as_its_median_and_the_file_says_so(tmp_path
     assert first == "# The load was measured and varies, 16 to 49 N: here it is the median."
 
 
+@pytest.mark.slow
 def test_several_trials_at_their_own_loads_are_saved_with_the_median(tmp_path):
     whole = Measurement(trials=(table(2.0), table(5.0), table(9.0)))
     found = fit(AXIS, Coulomb, whole)

@@ -43,6 +43,7 @@ def test_the_friction_of_a_filmed_capsule_with_stops_is_found(seed):
     assert level.high - level.low < 0.01
 
 
+@pytest.mark.slow
 def test_the_way_down_does_not_end_in_the_valley_of_another_sequence_of_impacts():
     rig = replace(
         CAPSULE, capsule_mass=1.3, inner_mass=0.45, stiffness=15.0, damping=0.05, restitution=0.85,

@@ -101,6 +101,7 @@ def test_a_mass_that_is_off_by_its_uncertainty_leaves_the_truth_in_intervals():
         assert estimate.low <= getattr(TRUTH, name) <= estimate.high
 
 
+@pytest.mark.slow
 def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
     """What a constant force adds to one level it takes off the other."""
     found = fit(
@@ -118,6 +119,7 @@ def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
     assert half_width(sought.estimate("kinetic_coefficient")) < 0.2 * NORMAL_95 * 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.rounding
 def test_runs_of_what_drives_itself_hold_the_truth_where_a_mass_is_off():
     record = swung(replace(CART, cart_mass=0.52))
@@ -138,6 +140,7 @@ def both(first, second, **doubts):
     return Measurement(trials=(rubbed(first, 1, "one"), rubbed(second, 2, "two")), **doubts)
 
 
+@pytest.mark.slow
 def test_what_each_trial_sets_and_what_they_share_widens_intervals():
     shared = fit(AXIS, CoulombViscous, both(20.0, 20.0, parameter_uncertainties={N: 0.4}))
     records = [replace(trial, overrides={N: 20.0}) for trial in both(20.0, 20.0).trials]

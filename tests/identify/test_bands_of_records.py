@@ -74,6 +74,7 @@ def test_an_uncertainty_that_is_nearly_nothing_changes_nothing(verdict):
     assert exact.band(v).high - exact.band(v).low == pytest.approx(size, rel=0.2)
 
 
+@pytest.mark.slow
 def test_records_whose_friction_differs_are_said_to_differ():
     def said(factors):
         trials = tuple(
@@ -93,6 +94,7 @@ def test_samples_of_a_verdict_are_laws_of_its_band(verdict):
     assert np.mean((band.low < at) & (at < band.high)) > 0.85
 
 
+@pytest.mark.slow
 def test_lugre_is_compared_by_the_bristles_of_its_balance():
     truth = law("dahl(level) + viscous")(
         kinetic_coefficient=1.0, bristle_stiffness=60.0, viscous_coefficient=0.3, yield_exponent=1.0
@@ -103,6 +105,7 @@ def test_lugre_is_compared_by_the_bristles_of_its_balance():
         select(AXIS, ["bouc-wen"], record(5, truth))
 
 
+@pytest.mark.slow
 def test_a_second_record_with_other_friction_is_said_to_differ():
     """A third more friction, which is more than runs usually differ by."""
     again = record(2)

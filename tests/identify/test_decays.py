@@ -192,6 +192,7 @@ def test_swings_are_no_coast_down_wherever_they_end(last):
     assert free_form(records) == "work"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "rate"), [(2e-4, 100.0), (1e-6, 100.0), (2e-5, 500.0)])
 def test_a_block_that_comes_to_rest_within_its_record_has_coulomb_friction(noise, rate):
     """At rest friction is not that of sliding, by which the record must not be judged."""

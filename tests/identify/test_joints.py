@@ -135,6 +135,7 @@ def test_what_is_said_of_a_joint_that_turns_is_in_newton_metres(verdict):
         assert own.judgement.problem.turning
 
 
+@pytest.mark.slow
 def test_zeros_of_positions_differ_from_record_to_record():
     """Zeros of .03 rad are .09 N m of gravity: half of the friction of the shoulder."""
     rng = np.random.default_rng(4)
@@ -220,6 +221,7 @@ def test_a_late_force_of_one_joint_is_a_delay_of_that_joint():
     assert not any(one.asserted for one in found.joints["shoulder"].findings)
 
 
+@pytest.mark.slow
 def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():
     t, places, forces = parts(record(0, span=4.0))
     swapped = {"shoulder": forces["elbow"], "elbow": forces["shoulder"]}

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from stickslip.identify.propose import propose, rehearsed, width_after, widths_of_another
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10_000), count=st.integers(1, 12), laws=st.integers(1, 3))
 def test_rows_of_noise_alone_are_not_expected_to_reduce_anything(seed, count, laws):
     random = np.random.default_rng(seed)

@@ -32,6 +32,7 @@ def rounded(measurement: Measurement, name: str) -> Measurement:
     return replace(measurement, **{name: values * (1.0 + 1e-14 * digits)})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("made", "name"), [(table, "friction"), (record, "force")])
 def test_last_digits_change_no_band_and_no_interval(made, name):
     axis = Axis(inertia=2.0)

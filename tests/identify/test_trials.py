@@ -65,6 +65,7 @@ def test_a_command_that_may_hold_or_not_leaves_the_level_as_unsure_as_it_is(seed
     assert not any(one.asserted for one in verdict.findings)
 
 
+@pytest.mark.slow
 def test_a_hold_that_is_given_is_taken():
     """Settings of the hold move the level by half a sample of the ramp, and make it as sure."""
     truth, measurement = trials(4)

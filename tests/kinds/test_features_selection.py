@@ -82,6 +82,7 @@ def test_a_fit_is_saved_as_a_rig_that_simulates_the_same_limit_cycle(fitted, tmp
     assert force.std() == pytest.approx(fitted.details["predicted"]["standard_deviation"], rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_mass_that_is_held_stays_and_one_that_is_stated_does_not(record):
     held = fit(STATED, Coulomb, record, fixed={"mass": 0.03})
     assert held.mechanism.mass == 0.03
@@ -126,6 +127,7 @@ def test_other_settings_are_ordered_by_what_they_would_leave(verdict):
     assert any("give both records as trials" in line for line in verdict.words.measure_next)
 
 
+@pytest.mark.slow
 def test_records_at_two_speeds_tell_more_than_one(record):
     law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.32, stribeck_velocity=0.02)
     slow, fast = (pulled(speed=v, truth=law, end=end) for v, end in ((1e-3, 8.5), (8e-3, 4.5)))

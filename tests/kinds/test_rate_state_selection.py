@@ -282,6 +282,7 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     assert kind_of_route(verdict.route).comparison(verdict).heads[-1] == "second record"
 
 
+@pytest.mark.slow
 @each_truth
 def test_a_verdict_is_plain_numbers_and_a_table(verdicts, name):
     verdict = verdicts(name)

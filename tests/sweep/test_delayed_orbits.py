@@ -76,6 +76,7 @@ def capsule(gain=None, frequency=2.65):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_delayed_feedback_keeps_an_unstable_orbit_of_a_capsule_and_makes_it_stable():
     settled = periodic_orbit(capsule(frequency=2.55), ROUGH, settle=200)
     (bare,) = continue_orbit(settled, "frequency", (2.54, 2.65)).orbits_at(2.65)[-1:]

@@ -196,6 +196,7 @@ def bordered(frequency, amplitude):
     return continue_event(event, paths, box)
 
 
+@pytest.mark.slow
 def test_a_curve_that_runs_along_a_border_ends_there_wherever_it_begins():
     ends = [bordered(*at).values[-1, 1] for at in ((15.0295, 0.19173), (15.16, 0.2018))]
     assert np.ptp(ends) < 1e-3 * (0.25 - 0.15)
@@ -214,6 +215,7 @@ def test_a_curve_that_runs_along_a_border_says_along_which():
     assert counts == {1, 2}
 
 
+@pytest.mark.slow
 def test_a_chart_knows_the_motions_that_settled_runs_show():
     ranges = {"drive.frequency": (14.0, 18.0), "drive.amplitude": (0.17, 0.23)}
     chart = orbit_chart(

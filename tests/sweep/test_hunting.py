@@ -105,6 +105,7 @@ def test_the_fold_of_hunting_is_followed_over_two_gains():
     assert other.value == pytest.approx(integral, abs=1e-6 * 220.0)
 
 
+@pytest.mark.slow
 def test_the_work_of_the_loop_closes_the_balance_of_the_axis():
     push = Pulse(level=5.0, duration=0.7)
     for axis in (AXIS, replace(AXIS, drive=push)):

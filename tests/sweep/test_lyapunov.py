@@ -135,6 +135,7 @@ def duffing_by_scipy(rig, settle, cycles):
     return rates.mean(axis=0), blocks.std(axis=0, ddof=1) / math.sqrt(10)
 
 
+@pytest.mark.slow
 def test_a_duffing_oscillator_with_a_stop_has_the_exponents_of_scipys_variational_equation():
     rig = Duffing(
         inertia=1.0, stiffness=1.0, damping=0.2, load=0.0, upper_stop=1.0, restitution=0.8,

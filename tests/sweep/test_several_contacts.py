@@ -15,6 +15,7 @@ PAIR = Pair(left_drive=PUSH, right_drive=PUSH)
 SHORT = {"settle": 2, "cycles": 2, "solver": PLAIN}
 
 
+@pytest.mark.slow
 def test_the_map_of_one_of_two_axes_is_that_of_the_axis_alone():
     levels = [0.6, 1.0]
     both = average_velocity(
