@@ -821,7 +821,8 @@ def _share(pieces: Sequence[Piece]) -> float:
     """Return the part of the motion that can be rows."""
     moving = [np.abs(piece.velocity) > SURE * piece._speed_noise(piece.wider) for piece in pieces]
     used = [piece.usable(piece.cutoff) & x for piece, x in zip(pieces, moving, strict=True)]
-    return float(np.sum(np.concatenate(used)) / max(np.sum(np.concatenate(moving)), 1))
+    total = sum(int(np.sum(x)) for x in moving)
+    return sum(int(np.sum(x)) for x in used) / max(total, 1)
 
 
 def _at(grids: Sequence[Record], cutoff: float) -> tuple[list[Piece], int]:
