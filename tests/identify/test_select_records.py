@@ -843,3 +843,21 @@ def test_trials_whose_friction_differs_are_said_to_differ_and_equal_ones_are_not
         assert not found
     else:  # the standard deviation of 5, 5 and 6 N over friction of 6 N in the mean
         assert found[0].low < np.std([5.0, 5.0, 6.0]) * np.sqrt(1.5) / 6.0 < found[0].high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gain", [1.0, 1.15])
+def test_a_gain_that_inertia_and_spring_show_is_taken_from_friction(gain):
+    random, t = np.random.default_rng(3), np.arange(6000) / 800.0
+    waves = ((28.0, 0.5, 1.0), (16.0, 1.3, 2.0), (9.0, 3.1, 4.0))
+    force = sum(a * np.sin(2.0 * np.pi * f * t + p) for a, f, p in waves)
+    rig = Axis(inertia=4.0, stiffness=700.0)
+    driven = replace(rig, drive=Sampled(times=t.tolist(), values=force.tolist()))
+    law = CoulombViscous(kinetic_coefficient=8.0, viscous_coefficient=20.0)
+    x = simulate(driven, law, t_end=float(t[-1])).at(t)["x"] + 1e-6 * random.normal(size=len(t))
+    read = gain * force + 0.1 * random.normal(size=len(t))
+    own = select(rig, None, Measurement(time=t, position=x, force=read))
+    assert ("The recorded force is 1.15 times" in own.words.verdict) == (gain > 1.0)
+    band = own.band(np.array([0.05, 0.15]))
+    assert np.all((band.low < [9.0, 11.0]) & (band.high > [9.0, 11.0]))
+    assert own.law.kinetic_coefficient == pytest.approx(8.0, rel=0.02)

@@ -56,6 +56,8 @@ from stickslip.identify.propose import (
 )
 from stickslip.identify.verdict import BandVerdict
 from stickslip.identify.wording import (
+    BOTH_WAYS,
+    GAIN,
     NO_RECORDS,
     ORDERED,
     SCALED,
@@ -68,7 +70,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
-from stickslip.show.formatting import quantity
+from stickslip.show.formatting import number, quantity
 
 EACH = 60
 """Draws of each law of which it is rehearsed what readings come to."""
@@ -340,6 +342,16 @@ def _records_again(
     return made(rig, with_gear(rig, measurement))
 
 
+def _divided(
+    made: Callable[..., list[Record]], gain: float, rig: Mechanism, measurement: Measurement
+) -> list[Record]:
+    """Return records whose forces are divided by a gain that was found."""
+    return [
+        replace(item, force=(item.force + item.constant) / gain - item.constant)
+        for item in made(rig, measurement)
+    ]
+
+
 def _known_by_runs(
     runs: DrivenRuns, made: Callable[..., list[Record]], rig: Mechanism, measurement: Measurement
 ) -> list[Record]:
@@ -455,9 +467,13 @@ def select_record(
     if values:  # what a gear transmits follows from what the balance says of the mechanism
         rig = with_values(rig, "mechanism", values)
         problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=asked.alone)
+    gain = problem.gain() if isinstance(problem, RecordProblem) and runs is None else 1.0
+    if gain != 1.0:
+        made = partial(_divided, made, gain)
+        problem = problem_of(rig, made(rig, with_gear(rig, measurement)), families=asked.alone)
     if isinstance(problem, RecordProblem) and any(x.bent for x in records[0].unknown.values()):
         _refuse_outside(problem)
-    return record_verdict(
+    verdict = record_verdict(
         with_own_laws(problem, asked)
         if runs is None or not runs.is_followed
         else _driven_problem(problem, runs, asked),
@@ -476,6 +492,11 @@ def select_record(
             *_of_recorded_swings(mechanism),
         ],
     )
+    if gain == 1.0:
+        return verdict
+    words = verdict.words
+    said = f"! {GAIN.format(number(gain, 3))} {words.verdict.removeprefix('! ')}"
+    return replace(verdict, words=replace(words, verdict=said))
 
 
 def _of_recorded_swings(mechanism: Mechanism) -> list[str]:
@@ -569,7 +590,7 @@ def record_verdict(
     foreseer = partial(_foreseen_records, judgement, measurement, again)
     said = [*remarks, *(item.sentence for item in checks.of("volts"))]
     if isinstance(problem, FreeMotionProblem):
-        said.append(SCALED)
+        said += [SCALED, *([] if problem.balance.goes_on else [BOTH_WAYS])]
     if begun := [record.began for record in problem.records if record.began is not None]:
         unit = turned("m", measurement.turning)
         said.append(start_sentence([quantity(x, unit) for x in begun]))

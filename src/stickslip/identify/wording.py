@@ -190,6 +190,16 @@ def nothing_further(proposal: Proposal) -> str:
     return DRIFTING.format(percent(proposal.shrinks)) if wider else NO_READINGS
 
 
+BOTH_WAYS = (
+    "Friction of this free motion is the mean of both directions: a level that differs by direction"
+    " cannot be distinguished from the zero of the position."
+)
+"""What is said of a free motion to and fro."""
+GAIN = (
+    "The recorded force is {} times that which acts, as inertia and forces of the mechanism show,"
+    " if both are as given: friction is by the force divided by that."
+)
+"""What is said first where two known forces have one factor."""
 NO_RECORDS = (
     "Further records are not expected to narrow the band of another run by a twentieth: these runs"
     " already show by how much runs differ."

@@ -901,6 +901,22 @@ class RecordProblem(Problem):
             result.append(stated(f"{of}_given", GIVEN[of], likely, off, what, mistaken))
         return result
 
+    def gain(self) -> float:
+        """Return how many times too large the recorded force is [1].
+
+        It is so if the inertia and the forces of the mechanism, both given, have one factor: two
+        mistakes of the same size are less likely than one.
+        """
+        draws = self.posterior.draws(DRAWN)
+        found = self._given(draws) if "both" in self.model.balance.given else []
+        if len(found) < 2 or not all(item.asserted for item in found):
+            return 1.0
+        factors = np.array([1.0 + item.size for item in found])
+        error = max(0.5 * (item.high - item.low) for item in found)
+        if np.ptp(factors) > max(2.0 * error, NEGLIGIBLE * float(np.mean(factors))):
+            return 1.0
+        return float(np.mean(factors))
+
     def _clipped(self) -> list[Finding]:
         """Return how often the sensor of the force shows as much as it can, if more acts then."""
         pieces = [piece for piece in self.model.balance.pieces if np.any(piece.clipped)]
