@@ -194,7 +194,6 @@ PIPES = {
     "select rig.p": "not a regular file",
     "simulate rig.toml --law law.p.toml": "not a regular file",
     "export rig.p --to c -o new": "not a regular file",
-    "plan rig.toml -o sheet.csv --force": "sheet.csv cannot be read",
     "demo -o made --force": "was not written by stickslip",
 }
 

@@ -101,7 +101,6 @@ def test_the_page_has_the_figures_and_tables_of_the_contacts(called):
 
 
 REFUSED = {
-    "plan": ("plan", "rig.toml", "-o", "plan.csv"),
     "warmup": ("warmup", "--rig", "rig.toml"),
     "enforce": ("simulate", "rig.toml", "--enforce", "-o", "run.csv"),
 }

@@ -10,7 +10,6 @@ from stickslip import (
     SpringBlock,
     TwoFeet,
     fit,
-    plan,
     select,
     simulate,
 )
@@ -41,7 +40,6 @@ CALLS = {
     ),
     "fit": lambda m, law: fit(m, law, RECORD),
     "select": lambda m, law: select(m, law, RECORD),
-    "plan": plan,
     "criteria_of": lambda m, law: criteria_of(
         simulate(m, law, t_end=0.1, solver=PLAIN), m
     ),
