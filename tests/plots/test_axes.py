@@ -40,7 +40,7 @@ from stickslip.mechanisms.drives import Sine
 from stickslip.show import plots
 from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.study import presliding_loop
-from stickslip.study.sweep import band_of, basins, validate
+from stickslip.study.sweep import band_of, basins
 from stickslip.study.sweep.mean_velocity import VelocityMap
 
 plt.switch_backend("Agg")
@@ -93,7 +93,6 @@ def results():
         "run": simulate(BLOCK, LAW, t_end=1.0),
         "ensemble": ensemble(BLOCK, LAW, levels, t_end=1.0, outputs=outputs),
         "band": band_of(BLOCK, LAW, known, t_end=1.0, count=20),
-        "validation": validate(BLOCK, LAW, Measurement(travel=0.20), known, count=20),
         "record fit": fit(Axis(inertia=1.0), CoulombViscous, table),
         "travel fit": fit(BLOCK, Coulomb, Measurement(travel=0.20, uncertainty=0.005)),
         "record verdict": select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], RUBBED),
@@ -108,7 +107,7 @@ def results():
 
 
 KINDS = (
-    "run", "ensemble", "band", "validation", "record fit", "travel fit", "record verdict",
+    "run", "ensemble", "band", "record fit", "travel fit", "record verdict",
     "table verdict", "travel verdict", "map", "basins", "loop",
 )  # fmt: skip
 
@@ -223,7 +222,6 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",
         plots.plot_band: "band must be a Band",
         plots.plot_measurement: "measurement must be a Measurement",
-        plots.plot_validation: "seen must be a Validation",
         plots.plot_optimum: "optimum must be an Optimum",
         plots.plot_velocity_band: "result must be a VelocityBand",
         plots.plot_closed_loop: "loop must be a ClosedLoop",

@@ -428,8 +428,6 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     ensemble: Ensemble = None
     """Also simulate N samples of the uncertain parameters: of the law, drawn from the estimates in
     its file, and of the mechanism."""
-    refit: bool = False
-    """Also fit the law to what was measured on this rig, and compare the intervals."""
     energy: bool = False
     """Add works of drives, friction, dampers and stops, and the energy per travel."""
     report_asked: Annotated[bool, typer.Option("--report")] = False

@@ -29,10 +29,10 @@ from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
 from stickslip.engine.solver import FixedStep, Solver
 from stickslip.engine.trajectory import Trajectory
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
-from stickslip.identify.fits import RecordSettings, inside, with_inputs
-from stickslip.identify.kinds import PAGE, fit
+from stickslip.identify.fits import inside, with_inputs
+from stickslip.identify.kinds import PAGE
 from stickslip.show.display import Summary, require_library
 from stickslip.show.documents import document, write_file, write_folder
 from stickslip.show.report import RunReport, run_sections, versions
@@ -99,8 +99,6 @@ def _size(text: str) -> tuple[float, float]:
 # ``stickslip simulate``.
 
 CRITERIA_FAILED = 4
-DRAWS = 200
-"""Draws with which measurements are compared where --ensemble gives no number."""
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
 NO_ESTIMATES = (
@@ -178,7 +176,7 @@ def _write_page(folder: Path, text: str | None) -> None:
 
 
 def _ran(rig: Rig, chosen: Chosen, options: SimulateOptions) -> RunReport:
-    """Make the run, the ensemble if one was asked for, and what was measured beside it."""
+    """Make the run, and the ensemble if one was asked for."""
     mechanism, form = rig.mechanism, isinstance(chosen, ChosenForm)
     single = mechanisms.has_one_slip(mechanism) and not isinstance(chosen, ChosenLaws)
     if options.enforce and not single:
@@ -215,21 +213,12 @@ def _ran(rig: Rig, chosen: Chosen, options: SimulateOptions) -> RunReport:
         digests=digests,
     )
     if not isinstance(chosen, ChosenLaw) or not single:
-        if rig.measurement is not None and not form:
-            terminal.note(
-                "The prediction was not compared with what was measured: that takes one contact."
-            )
         return about
     resting = bristle_remark(chosen.law, chosen.estimates, about.lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
     for remark in beyond:
         terminal.note(terminal.plain(remark))
-    return replace(
-        about,
-        remarks=(*chosen.remarks, *beyond),
-        validation=_validated(rig, chosen, options),
-        refit=_refitted(rig, chosen) if options.refit else None,
-    )
+    return replace(about, remarks=(*chosen.remarks, *beyond))
 
 
 def _told(rig: Rig, friction: Friction) -> Rig:
@@ -266,68 +255,18 @@ def _refuse_impossible(rig: Rig, chosen: Chosen, options: SimulateOptions) -> No
                 " step in seconds, such as --fixed-step 0.001, or its corrected law as --law"
                 f" {chosen.corrected.name}."
             )
-        if options.report is not None or options.ensemble is not None or options.refit:
+        if options.report is not None or options.ensemble is not None:
             raise InputError(
-                "--report, --ensemble and --refit take a friction law: with an equation as printed,"
+                "--report and --ensemble take a friction law: with an equation as printed,"
                 " leave them out, or write the run with -o run.csv."
             )
     if options.ensemble is not None and options.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
     if options.energy and options.fixed_step is not None:
         raise InputError("--energy requires exact events: leave --fixed-step out.")
-    if options.refit and options.fixed_step is not None:
-        raise InputError("--refit requires exact events: leave --fixed-step out.")
     known = chosen.estimates is not None or rig.parameter_uncertainties
     if options.ensemble is not None and not known:
         raise InputError(NO_ESTIMATES)
-    if options.refit and (rig.measurement is None or isinstance(chosen, ChosenLaws)):
-        lacks = "nothing was measured" if rig.measurement is None else "it has several contacts"
-        raise InputError(
-            f"--refit fits the law to what was measured on {rig.path or rig.heading}, but {lacks}:"
-            " leave it out."
-        )
-
-
-def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> sweep.Validation | None:
-    """Return what was measured beside the prediction; None, with a note, if that cannot be."""
-    if rig.measurement is None:
-        return None
-    try:
-        if options.fixed_step is not None:
-            raise InputError("that requires exact events, and --fixed-step locates none.")
-        return sweep.validate(
-            rig.mechanism,
-            chosen.law,
-            rig.measurement,
-            chosen.estimates,
-            t_end=rig.t_end,
-            count=options.ensemble or DRAWS,
-            seed=options.seed,
-        )
-    except StickslipError as error:
-        terminal.note(
-            terminal.plain(f"The prediction was not compared with what was measured: {error}")
-        )
-        return None
-
-
-def _refitted(rig: Rig, chosen: ChosenLaw) -> sweep.Refit:
-    """Fit what is known of the law with an interval, or all of it, to what was measured."""
-    assert rig.measurement is not None
-    known = chosen.estimates
-    vary = [f"friction.{name}" for name in known.intervals] if known else None
-    records = any(record.time is not None for record in rig.measurement.records())
-    measurement = _without_fitted_start(rig) if records else rig.measurement
-    with Drawing("Refitting"):
-        result = fit(
-            rig.mechanism,
-            chosen.law,
-            measurement,
-            vary=vary or None,
-            settings=RecordSettings(hold=rig.hold) if records else None,
-            t_end=None if records else rig.t_end,
-        )
-    return sweep.Refit(fit=result, parameters=sweep.compare_estimates(chosen.law, known, result))
 
 
 def _band(rig: Rig, chosen: Chosen, options: SimulateOptions, run: Trajectory) -> sweep.Band | None:
@@ -482,7 +421,6 @@ def _content(about: RunReport, chosen: Chosen, works: sweep.EnergyBalance | None
         content["cycles"] = [
             asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in about.cycles
         ]
-    for name in ("band", "validation", "refit"):
-        if (result := getattr(about, name)) is not None:
-            content[name] = result.to_dict()
+    if about.band is not None:
+        content["band"] = about.band.to_dict()
     return content | ({"criteria": asdict(about.criteria)} if about.single else {})

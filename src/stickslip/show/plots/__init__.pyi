@@ -55,17 +55,14 @@ from stickslip.show.plots.runs import plot_run as plot_run
 from stickslip.show.plots.runs import plot_runs as plot_runs
 from stickslip.show.plots.studies import CYCLE_SIZES as CYCLE_SIZES
 from stickslip.show.plots.studies import EXCITATION_SIZES as EXCITATION_SIZES
-from stickslip.show.plots.studies import VALIDATION_SIZES as VALIDATION_SIZES
 from stickslip.show.plots.studies import draw_cycles as draw_cycles
 from stickslip.show.plots.studies import draw_excitations as draw_excitations
 from stickslip.show.plots.studies import draw_fixed_steps as draw_fixed_steps
 from stickslip.show.plots.studies import draw_optimum as draw_optimum
-from stickslip.show.plots.studies import draw_validation as draw_validation
 from stickslip.show.plots.studies import plot_band as plot_band
 from stickslip.show.plots.studies import plot_ensemble as plot_ensemble
 from stickslip.show.plots.studies import plot_limit_cycle as plot_limit_cycle
 from stickslip.show.plots.studies import plot_optimum as plot_optimum
-from stickslip.show.plots.studies import plot_validation as plot_validation
 from stickslip.show.plots.svg import Draw as Draw
 from stickslip.show.plots.svg import NARROW as NARROW
 from stickslip.show.plots.svg import Size as Size
@@ -140,7 +137,6 @@ __all__ = [
     "draw_scene",
     "draw_sensitivity",
     "draw_sketch",
-    "draw_validation",
     "draw_velocity_band",
     "draw_velocity_map",
     "inline_svg",
@@ -162,7 +158,6 @@ __all__ = [
     "plot_run",
     "plot_runs",
     "plot_sweep",
-    "plot_validation",
     "plot_velocity_band",
     "plot_verdict",
     "save",

@@ -19,7 +19,7 @@ from stickslip.show.plots.axes import Panels, PanelTarget
 from stickslip.show.plots.fits import plot_fit, plot_verdict
 from stickslip.show.plots.measurements import plot_measurement
 from stickslip.show.plots.runs import plot_closed_loop, plot_run
-from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_optimum, plot_validation
+from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_optimum
 from stickslip.show.plots.svg import standalone_svg
 from stickslip.show.plots.sweep_maps import plot_sweep, plot_velocity_band
 from stickslip.study import PreslidingLoop, sweep
@@ -31,7 +31,6 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         Trajectory: plot_run,
         Ensemble: plot_ensemble,
         sweep.Band: plot_band,
-        sweep.Validation: plot_validation,
         ClosedLoop: plot_closed_loop,
         Fit: plot_fit,
         Verdict: plot_verdict,

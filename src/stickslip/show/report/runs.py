@@ -36,7 +36,7 @@ from stickslip.show.formatting import (
 from stickslip.show.report import blocks as page
 from stickslip.show.report.shared_sections import ended_early, evidence, figure, reproduce
 from stickslip.show.report.tables import Cell, Table, table_of
-from stickslip.study.sweep import Band, DrivenCycle, Refit, Spread, Validation, cycles_in
+from stickslip.study.sweep import Band, DrivenCycle, Spread, cycles_in
 
 # What a report of a run is about, and the words that its sections share.
 
@@ -62,10 +62,6 @@ class RunReport:
         Where that was, if it was another file than the rig's.
     band : Band, optional
         The motion with the law's parameters drawn from their estimates.
-    validation : Validation, optional
-        What was measured on the rig beside the prediction.
-    refit : Refit, optional
-        The law fitted to that measurement.
     fixed_step : float, optional
         The step [s], where the run was made in fixed steps.
     commands : tuple of str
@@ -92,8 +88,6 @@ class RunReport:
     remarks: tuple[str, ...] = ()
     law_file: str = ""
     band: Band | None = None
-    validation: Validation | None = None
-    refit: Refit | None = None
     fixed_step: float | None = None
     commands: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -579,15 +573,7 @@ def _third(about: RunReport) -> str:
         return f"{number(100.0 * error) if abs(error) > ROUNDING else 0} % of the measured one"
     if measurement is None or not measurement.travelled:
         return "no travel of this rig was measured"
-    travels = () if about.validation is None else about.validation.travels
-    errors = [travel.relative_error for travel in travels if travel.relative_error is not None]
-    if not errors:
-        return "the measured travels were not compared"
-    what = travels[0].quantity.replace("_", " ")
-    if len(errors) == 1:
-        return f"{number(100.0 * errors[0])} % of the measured {what}"
-    ends = (number(100.0 * end) for end in (min(errors), max(errors)))
-    return f"{' to '.join(ends)} % of {len(errors)} measured values ({what})"
+    return "the measured travels are not those of this run"
 
 
 def _held(holds: bool, found: str) -> str:
@@ -765,41 +751,6 @@ def reproduce_section(about: RunReport) -> page.Section:
 
 # The report of a run as a page.
 
-MOST_RECORDS = 4
-"""Records that have a figure."""
-HEADINGS = {
-    True: "What was measured agrees with the prediction",
-    False: "What was measured does not agree with the prediction",
-    None: "What was measured beside the prediction",
-}
-
-
-def validation_section(about: RunReport) -> page.Section | None:
-    """Return what was measured beside the prediction, None where nothing was compared."""
-    seen = about.validation
-    if seen is None:
-        return None
-    verdict, *rest = seen.sentences()
-    blocks: list[page.Block] = [page.Paragraph(text=verdict)]
-    for index in range(min(len(seen.records), MOST_RECORDS)):
-        name = seen.records[index].name or f"record {index + 1}"
-        band = "; shaded: 95 % band of the prediction, without noise" if seen.drawn else ""
-        label = f" ({name})" if len(seen.records) > 1 else ""
-        caption = f"**Measured and predicted**{label}, and residual{band}."
-        draw = plots.draw_validation(seen, record=index)
-        alt = f"Measured and predicted, {name}"
-        blocks.append(figure(draw, alt, f"validation-{index}", caption, plots.VALIDATION_SIZES))
-    if seen.travels:
-        table = seen.in_short()
-        blocks.append(table_of(table.head, table.rows))
-    blocks += [page.Caption(text=text) for text in rest]
-    if about.refit is not None:
-        blocks.append(page.Subheading(text="Refitted to this measurement"))
-        blocks += [page.Caption(text=text) for text in about.refit.sentences(seen)]
-    return page.Section(
-        id="validation", nav="Measured", heading=HEADINGS[seen.agrees], blocks=tuple(blocks)
-    )
-
 
 def opening_section(about: RunReport) -> page.Section:
     """Return the headline with its numbers, and what the run cannot tell."""
@@ -960,7 +911,6 @@ def _of_uncertainty(about: RunReport) -> str:
 SECTIONS: tuple[Callable[[RunReport], page.Section | None], ...] = (
     opening_section,
     motion_section,
-    validation_section,
     cycles_section,
     animation_section,
     contacts_section,
@@ -979,7 +929,6 @@ SHORT = (
     events_section,
     certificate_section,
     spread_section,
-    validation_section,
 )
 """What the terminal shows."""
 MOST_SAID = 4

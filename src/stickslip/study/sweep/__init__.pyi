@@ -8,6 +8,9 @@ from stickslip.study.sweep.attractors import Basins as Basins
 from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
 from stickslip.study.sweep.attractors import basins as basins
 from stickslip.study.sweep.attractors import cycles_in as cycles_in
+from stickslip.study.sweep.bands import Band as Band
+from stickslip.study.sweep.bands import Spread as Spread
+from stickslip.study.sweep.bands import band_of as band_of
 from stickslip.study.sweep.campaigns import Campaign as Campaign
 from stickslip.study.sweep.campaigns import CampaignRuns as CampaignRuns
 from stickslip.study.sweep.campaigns import Case as Case
@@ -39,16 +42,6 @@ from stickslip.study.sweep.orbits import CYCLE as CYCLE
 from stickslip.study.sweep.orbits import Orbit as Orbit
 from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
 from stickslip.study.sweep.sections import Section as Section
-from stickslip.study.sweep.validation import Band as Band
-from stickslip.study.sweep.validation import ParameterAgreement as ParameterAgreement
-from stickslip.study.sweep.validation import Refit as Refit
-from stickslip.study.sweep.validation import Spread as Spread
-from stickslip.study.sweep.validation import ValidatedRecord as ValidatedRecord
-from stickslip.study.sweep.validation import ValidatedTravel as ValidatedTravel
-from stickslip.study.sweep.validation import Validation as Validation
-from stickslip.study.sweep.validation import band_of as band_of
-from stickslip.study.sweep.validation import compare_estimates as compare_estimates
-from stickslip.study.sweep.validation import validate as validate
 
 __all__ = [
     "Section",
@@ -75,21 +68,15 @@ __all__ = [
     "Normal",
     "Orbit",
     "OrbitDiagram",
-    "ParameterAgreement",
-    "Refit",
     "SensitivityIndices",
     "Spread",
     "Uniform",
-    "ValidatedRecord",
-    "ValidatedTravel",
-    "Validation",
     "VelocityBand",
     "VelocityMap",
     "average_velocity",
     "band_of",
     "basins",
     "campaign",
-    "compare_estimates",
     "continue_orbit",
     "cycle_of",
     "cycles_in",
@@ -98,6 +85,5 @@ __all__ = [
     "orbit_diagram",
     "periodic_orbit",
     "units_of_columns",
-    "validate",
     "velocity_band",
 ]
