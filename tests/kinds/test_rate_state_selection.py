@@ -174,7 +174,7 @@ def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
     assert widths == sorted(widths)
     assert all(0.0 < width < WORTH for width in widths)
     text = " ".join(verdict.words.measure_next)
-    assert ("is expected to fall to" in text) != ("not expected to tell more" in text)
+    assert ("is expected to fall to" in text) != ("not expected to determine" in text)
 
 
 @pytest.mark.parametrize("first", [0.0, 1e-6])

@@ -218,15 +218,22 @@ class RunCertificate(metaclass=Described):
     friction_work: float
     """Share of the work that the named friction takes [1]: 1 where only friction takes energy."""
     duration: float
-    """Length of a stretch that was run [s]; of a free motion all of it."""
+    """Length of a stretch that was run [s]; of a motion run from its start all of it."""
     stretches: tuple[Stretch, ...] = field(repr=False, compare=False)
     """What was run."""
     motion: tuple[tuple[Array, Array], ...] = field(repr=False, compare=False)
     """Times [s] and smoothed positions [m] or [rad] of each piece of the records."""
-    is_whole: bool = False
-    """Whether a free motion was run whole."""
+    how: str = "Run with the recorded force"
+    """How it was run, in words."""
+    compared: str = "position"
+    """What was compared: position or velocity."""
     reading_error: float = math.nan
     """Error of a reading of a free motion, over the spread of the motion [1]."""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether each motion was run from its start to its end."""
+        return len(self.stretches) == len(self.motion)
 
     @property
     def typical(self) -> Stretch:
@@ -254,19 +261,15 @@ class RunCertificate(metaclass=Described):
         own = error_text(self.run_error)
         if not self.is_beaten:
             return self.is_incomplete * (
-                f"! {self._run}, this law and mechanism follow the motion to {own}, and a reading"
+                f"! {self.how}, this law and mechanism follow the motion to {own}, and a reading"
                 f" is off by {error_text(self.reading_error)}: something of the mechanism is"
                 " missing, such as a spring or a cable, and the band does not allow for it."
             )
         return (
-            f"! {self._run}, Coulomb + viscous friction by least squares follows the motion better"
+            f"! {self.how}, Coulomb + viscous friction by least squares follows the motion better"
             f" ({error_text(self.plain_error)} of its spread; this law and mechanism {own}): the"
             " curve holds for the measured force, do not simulate with it."
         )
-
-    @property
-    def _run(self) -> str:
-        return "Run from its start" if self.is_whole else "Run with the recorded force"
 
     def __str__(self) -> str:
         """Return the certificate in a sentence."""
@@ -274,7 +277,7 @@ class RunCertificate(metaclass=Described):
         if math.isfinite(self.friction_work):
             work = f"; friction takes {percent(self.friction_work)} of the work"
         return (
-            f"{self._run}, this law and mechanism follow the motion to"
+            f"{self.how}, this law and mechanism follow the motion to"
             f" {error_text(self.run_error)} over {quantity(self.duration, 's', 2)} (Coulomb +"
             f" viscous by least squares: {error_text(self.plain_error)}){work}."
         )

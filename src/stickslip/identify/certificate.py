@@ -13,7 +13,8 @@ A balance may explain the forces of a record and yet not make its motion: it nev
    engine runs them together, u having its mean in each of at most `STEPS` steps. The error is
    sqrt(median mse / median var), of the simulated position over the variance of the measured one
    in a stretch. A free motion is run whole, from the start by which it is followed best, and what
-   that leaves stands against the white noise of the readings.
+   that leaves stands against the white noise of the readings. So is a motion of which runs are
+   judged: under its own drive or a recorded voltage, each stretch from the start that fits best.
 3. **Plain.** The same with Coulomb + viscous friction, and with what is looked for of the
    mechanism, by least squares on the rows of the balance: what anybody has in five lines.
 4. **Expected.** `DRAWS` laws of the posterior, each with its mechanism and a start that is off by
@@ -42,7 +43,7 @@ from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.judgement import Judgement
 from stickslip.identify.laws import drawn_curve
 from stickslip.identify.posterior import Array
-from stickslip.identify.problems.driven_runs import DrivenProblem
+from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import KNOTS, Candidate, begun
 from stickslip.identify.problems.record_rows import MIDDLE, Piece, mean_frequency
@@ -86,14 +87,15 @@ def certificate_of(judgement: Judgement, mechanism: Mechanism) -> RunCertificate
     problem = judgement.problem
     if isinstance(problem, FreeMotionProblem):
         return _of_free_motion(judgement, problem) if judgement.named.structure else None
-    if isinstance(problem, DrivenProblem):
-        problem = problem.plain
+    driven = problem if isinstance(problem, DrivenProblem) else None
+    problem = problem if driven is None else driven.plain
     if not isinstance(problem, RecordProblem) or problem.records[0].friction:
         return None
     try:
-        if TRANSMITTED in _law(judgement).inputs:
+        if driven is None and TRANSMITTED in _law(judgement).inputs:
             return NOT_RUN.format("friction depends on what the gear transmits.")
-        return _of_record(_Reduced(judgement, problem, mechanism))
+        reduced = _Reduced(judgement, problem, mechanism)
+        return _of_record(reduced) if driven is None else _of_runs(reduced, driven.following)
     except (StickslipError, ArithmeticError, ValueError) as error:
         return NOT_RUN.format(error)
 
@@ -428,6 +430,40 @@ def _work(reduced: _Reduced, handed: _Member) -> float:
     return float(taken / supplied) if supplied > 0.0 else math.nan
 
 
+# ---- runs under a drive of the mechanism or a voltage -----------------------------------------
+
+
+def _of_runs(reduced: _Reduced, following: DrivenRuns) -> RunCertificate:
+    """Return the certificate of what was judged by runs."""
+    values, level, viscous = reduced.plain
+    load = reduced.judgement.composition.normal()
+    usual = CoulombViscous(kinetic_coefficient=level / load, viscous_coefficient=viscous / load)
+    segments = following.runs.segments
+    ends = np.cumsum([len(x.times) for x in segments])[:-1]
+    measured = [x.measured for x in segments]
+    spread = math.sqrt(float(np.mean(np.concatenate([x - np.mean(x) for x in measured]) ** 2)))
+    left = [
+        following.beside_nothing(law, own).seen
+        for law, own in ((_law(reduced.judgement), reduced.handed), (usual, values))
+    ]
+    errors = [seen.rms / spread if seen.finite else math.inf for seen in left]
+    times = [x.start + x.times for x in segments]
+    each = zip(times, measured, *(np.split(seen.residual, ends) for seen in left), strict=True)
+    return RunCertificate(
+        run_error=errors[0],
+        plain_error=errors[1],
+        expected_error=following.error / spread,
+        friction_work=math.nan,
+        duration=float(np.median([t[-1] - t[0] for t in times])),
+        stretches=tuple(
+            Stretch(time=t, measured=y, simulated=y - x, plain=y - z) for t, y, x, z in each
+        ),
+        motion=tuple(zip(times, measured, strict=True)),
+        how=f"Run under {following.drive}",
+        compared="position" if reduced.problem.records[0].located else "velocity",
+    )
+
+
 # ---- free motions -----------------------------------------------------------------------------
 
 
@@ -462,7 +498,8 @@ def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCert
             for item, x, z in each
         ),
         motion=tuple((item.time, item.values) for item in motion.motions),
-        is_whole=True,
+        how="Run from its start",
+        compared="position" if problem.records[0].located else "velocity",
         reading_error=max(map(_noise, problem.records)) / spread,
     )  # fmt: skip
 

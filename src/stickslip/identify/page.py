@@ -95,9 +95,7 @@ def run_section(verdict: BandVerdict, prefix: str = "run") -> Section | None:
     seen = verdict.certificate
     if seen is None:
         return None
-    own = verdict.measurement
-    by_speed = seen.is_whole and "position" not in own.quantities()
-    unit = own.unit("velocity" if by_speed else "position")
+    unit = verdict.measurement.unit(seen.compared)
     svg = inline_svg(
         draw_run(seen, unit), alt="Measured and simulated motion over time, one stretch enlarged",
         prefix=f"{prefix}-figure", **MAP_SIZES,

@@ -516,15 +516,15 @@ def _of_recorded_swings(mechanism: Mechanism) -> list[str]:
 def _driven_problem(
     plain: RecordProblem | FreeMotionProblem, runs: DrivenRuns, asked: LawsToCompare
 ) -> DrivenProblem:
-    """Return what runs say of laws, linear about what is likeliest."""
+    """Return what runs say of laws, linear about what is likeliest and follows best."""
     assert isinstance(plain, RecordProblem)
-    result: DrivenProblem = with_own_laws(DrivenProblem(plain, runs), asked)
-    for _ in range(AGAIN):
-        straight = result.straight()
-        if straight is None:
-            break
-        result = with_own_laws(DrivenProblem(plain, straight), asked)
-    return result
+    tried = list[tuple[float, DrivenProblem]]()
+    following: DrivenRuns | None = runs
+    while following is not None and len(tried) <= AGAIN:
+        problem: DrivenProblem = with_own_laws(DrivenProblem(plain, following), asked)
+        left, following = problem.straight()
+        tried.append((left, problem))
+    return min(tried, key=lambda item: item[0])[1]
 
 
 def _refuse_outside(problem: RecordProblem) -> None:

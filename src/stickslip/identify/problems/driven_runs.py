@@ -322,14 +322,18 @@ class _WithPrior:
         deviations = self.sizes[has_prior] * values[has_prior]
         return np.vstack([np.eye(len(values))[has_prior] / deviations[:, None], self.rows])
 
+    def off(self, values: Array) -> Array:
+        """Return how many deviations values (p,) are from what is known before (k,)."""
+        has_prior = np.isfinite(self.sizes)
+        off = np.log(self.given[has_prior] / values[has_prior]) / self.sizes[has_prior]
+        return np.concatenate([off, -self.rows @ values])
+
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals at values (p,), with one row for each that is known before."""
-        seen, has_prior = self.runs.linearise(values, near), np.isfinite(self.sizes)
-        off = np.log(self.given[has_prior] / values[has_prior]) / self.sizes[has_prior]
-        off = np.concatenate([off, -self.rows @ values])
+        seen = self.runs.linearise(values, near)
         return ResidualJacobian(
             values=values,
-            residual=np.concatenate([seen.residual, self.deviation * off]),
+            residual=np.concatenate([seen.residual, self.deviation * self.off(values)]),
             slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
             memory=seen.memory,
         )
@@ -474,6 +478,11 @@ class DrivenRuns:
         error = math.sqrt(best.cost / freedom)
         return replace(self, seen=best, share=share, error=error, rows=rows)
 
+    def surprise(self, deviation: float) -> float:
+        """Return less the logarithm of the posterior, for a deviation of independent readings."""
+        off = replace(self._known, rows=self.rows).off(self.seen.values)
+        return 0.5 * (self.seen.cost / deviation**2 + float(off @ off))
+
     def moved(self, step: Array, rig: Array) -> "DrivenRuns":
         """Return runs with other values at the knots (m,), whose initial states follow them."""
         beside = self.beside
@@ -509,6 +518,21 @@ class DrivenRuns:
         runs = replace(self.runs.starting_from(self.seen), law=curve)
         runs = runs.with_free_parameters(FreeParameters(tuple(own)))
         return replace(self, runs=runs, seen=runs.linearise(runs.free_parameters.start))
+
+    def beside_nothing(self, law: FrictionLaw, values: Mapping[str, float]) -> "DrivenRuns":
+        """Return runs of a law with values of the mechanism by path, and no friction beside it."""
+        assert self.beside is not None
+        known = {**self.rig, OFFSET: values.get("offset", self.rig.get(OFFSET, 0.0)), **values}
+        least = {item.path: item.low for item in self.items if item.path == AT_REST}
+        rig = np.array([least.get(path, known[path]) for path in self.rig])
+        result = self.of(law, np.zeros(len(self.beside.root)), rig)
+        return replace(result, seen=result.runs.linearise(result.seen.values, result.seen))
+
+    @property
+    def drive(self) -> str:
+        """What drives the runs, in words."""
+        is_cut = any(segment.start for segment in self.runs.segments)
+        return "the recorded voltage" if is_cut else "its own drive"
 
     def with_curve(self, beside: Beside) -> "DrivenRuns":
         """Return runs with friction beside the law where they follow the readings."""
@@ -607,10 +631,7 @@ class DrivenRuns:
         ]
         determined = joined([*names, *["friction"] * (not assumed)])
         if self.is_followed:
-            driven = "its own drive"
-            if any(segment.start for segment in self.runs.segments):
-                driven = "the recorded voltage"
-            words = f"Runs of the mechanism under {driven} determine {determined}."
+            words = f"Runs of the mechanism under {self.drive} determine {determined}."
             return words if determined else ""
         of_gear = " with friction of a gear" * (self.beside is not None and self.beside.geared)
         by_both = (
@@ -1048,28 +1069,33 @@ class DrivenProblem(Problem):
         assert isinstance(self.posterior.model, DrivenModel)
         return self.posterior.model
 
-    def straight(self) -> "DrivenRuns | None":
-        """Return runs about what is likeliest; None where those that were linear leave as much."""
+    def straight(self) -> "tuple[float, DrivenRuns | None]":
+        """Return what runs of what is likeliest leave, and these; None if what was linear is right.
+
+        Where a line has led out of a valley, the runs are those that follow best from there.
+        """
         model, weights = self.model, self.posterior.weights
         k, s = np.unravel_index(int(np.argmax(weights)), weights.shape)
         node, structure = self.posterior.nodes[k], self.posterior.structures[s]
         coefficients, random = self.posterior.estimate(node, structure)
         law = self.composition(structure, coefficients[None]).law()
         if law is None:
-            return None
+            return math.inf, None
         count = len(self.beside.root)
         x, away = model.root(node) @ random[:count], random[count:]
         seen, law_there = self.following.seen, model.at_knots(law)
         step = np.concatenate([x + law_there, away]) - model.x
         runs = self.following.moved(step[:count], model.rig_at(away))
-        if not runs.seen.finite:
-            return None
-        runs = runs.of(law, x, model.rig_at(away))
-        if not runs.seen.finite or runs.seen.cost > OTHER * seen.cost:
-            return None
+        runs = runs.of(law, x, model.rig_at(away)) if runs.seen.finite else runs
+        left = runs.seen.cost if runs.seen.finite else math.inf
+        if left > OTHER * seen.cost and runs.seen.finite:
+            runs = runs.settled(runs.rows[len(runs.late) > 0 :])
+            deviation = self.following.error / math.sqrt(self.following.share)
+            before, after = (x.surprise(deviation) for x in (self.following, runs))
+            return left, runs if after < before - SETTLED else None
         foreseen = seen.residual - model.slopes @ step
-        off = abs(float(foreseen @ foreseen) - runs.seen.cost)
-        return None if 0.5 * runs.share / runs.error**2 * off < STRAIGHT else runs
+        off = 0.5 * runs.share / runs.error**2 * abs(float(foreseen @ foreseen) - left)
+        return left, runs if STRAIGHT <= off < math.inf else None
 
     # ---- rows -------------------------------------------------------------------------------
 
