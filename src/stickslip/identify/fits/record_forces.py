@@ -52,7 +52,10 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
     (True, False)
     """
     return bool(mechanism.drives()) and any(
-        record.time is not None and not record.joints and not command_of(record)
+        record.time is not None
+        and not record.joints
+        and record.friction is None  # which nothing needs to be known of the drive for
+        and not command_of(record)
         for record in measurement.records()
     )
 
