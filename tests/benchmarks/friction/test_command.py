@@ -27,17 +27,14 @@ def test_a_folder_gets_a_page_a_table_and_a_document(data_dir, tmp_path, capsys)
     table = pd.read_csv(tmp_path / "results.csv")
     assert list(dict.fromkeys(table["task"])) == list(TASKS)
     assert {*table["tool"]} == {"stickslip", "scipy"}
-    rock = table[(table["task"] == "rock") & table["named"]]
-    assert rock["law"].item() == "logarithmic"
-    # what regresses on the speed alone has no transient; the record has one
-    assert (
-        rock["error"].item()
-        < table[(table["task"] == "rock") & (table["tool"] == "scipy")]["error"].item()
-    )
+    ours = table[(table["task"] == "rock") & (table["tool"] == "stickslip")].set_index("law")
+    (named,) = ours.index[ours["named"]]
+    # which of the laws with a transient holds, one step does not say; that there is one, it does
+    assert ours.loc[named, "error"] < 0.2 * ours.loc["constant-coefficient", "error"]
     page = (tmp_path / "index.html").read_text()
     for said in ("Sepiolite", "MIT", "Giacomel", "Siconos", "SciPy curve_fit"):
         assert said in page
-    assert "Logarithmic in speed" in shown.out
+    assert ours.loc[named, "title"] in shown.out
     assert call(*TASKS, "--peers", "scipy", "-o", tmp_path, "--json") == 0
     assert json.loads(capsys.readouterr().out)["made"] == 0
 
