@@ -31,28 +31,28 @@ def judged(count, truths, seed):
     return found
 
 
-RECORDS = [3, *(pytest.param(count, marks=pytest.mark.slow) for count in (6, 12))]
-LOWEST = {3: 0.65, 6: 0.75, 12: 0.8}
-"""Five estimates of a record go together: 12 records know 90 % to 9, 6 to 12, and 3 to 17."""
+RECORDS, LOWEST = 12, 0.8
+"""Five estimates of a record go together: 12 records know 90 % to 9."""
 
 
-@pytest.fixture(scope="module", params=RECORDS)
-def intervals(request):
-    return judged(request.param, FAST_TRUTHS, 3), request.param
+@pytest.fixture(scope="module")
+def intervals():
+    return judged(RECORDS, FAST_TRUTHS, 3)
 
 
+@pytest.mark.slow
 def test_nominal_intervals_cover_the_truth(intervals):
-    found, records = intervals
-    bounded = [entry for entry in found if entry["bounded"]]
-    assert len(bounded) >= 4 * records
+    bounded = [entry for entry in intervals if entry["bounded"]]
+    assert len(bounded) >= 4 * RECORDS
     hits = sum(one["truth"] for one in bounded)
-    assert hits / len(bounded) >= LOWEST[records]
+    assert hits / len(bounded) >= LOWEST
 
 
+@pytest.mark.slow
 def test_estimates_are_known_to_a_few_percent(intervals):
     relative = [
         interval["relative"]
-        for interval in intervals[0]
+        for interval in intervals
         if interval["bounded"] and "offset" not in interval["path"]
     ]
     # intervals that hold everything would cover too
@@ -140,7 +140,7 @@ def test_the_summary_counts_coverage():
 @pytest.mark.slow
 def test_intervals_cover_for_every_smooth_law():
     truths = ("coulomb-viscous", "direction-dependent", "power-viscous", "quadratic-drag")
-    bounded = [entry for entry in judged(40, truths, 5) if entry["bounded"]]
+    bounded = [entry for entry in judged(20, truths, 5) if entry["bounded"]]
     hits = sum(entry["truth"] for entry in bounded)
-    # target 90 to 99 %; 40 records know it to some 3 %
-    assert hits / len(bounded) >= 0.87
+    # target 90 to 99 %; 20 records know it to some 4 %
+    assert hits / len(bounded) >= 0.85

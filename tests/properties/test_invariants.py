@@ -164,7 +164,7 @@ def test_a_rig_a_million_times_larger_or_smaller_moves_alike_to_the_last_bit(
 
 
 @each_law
-@FEW
+@examples(6)  # runs of stiff bristles take half a minute
 @given(data=st.data(), share=nearly(0.1, 0.9))
 def test_a_run_can_be_continued_from_any_of_its_states(kind, data, share):
     law = data.draw(laws(kind))
