@@ -94,7 +94,7 @@ reveal_type(load_rig().measurement)
 
 result = fit(block, Coulomb, one)
 reveal_type(result)
-print(result.law.kinetic_coefficient, result.estimates[0].low, result.to_law().name)
+print(result.law.kinetic_coefficient, result.estimates[0].low, result.law.name)
 reveal_type(fit(block, law, one).law)
 reveal_type(fit(block, "lugre", one).law)
 found = fit(Axis(inertia=1.0), CoulombViscous, table, route="table",

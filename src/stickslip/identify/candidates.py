@@ -1,7 +1,6 @@
 """Candidates and verdicts of all kinds: which laws are compared, and what a selection gives."""
 
 import html
-import itertools
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
@@ -20,7 +19,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.described import Described
 from stickslip.show.display import OnAxes, Summary, Tabular, plots, summary_of_table
-from stickslip.show.formatting import Scale, count, joined, number, scale_of, significant
+from stickslip.show.formatting import Scale, count, joined, scale_of, significant
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,8 +40,6 @@ ONE_LAW = "No ranking: one law was tried."
 """Where the candidates would be ranked."""
 UNMEASURED = "Friction at speeds, loads and temperatures outside those measured is not known."
 """What no verdict can tell."""
-TOO_SHORT = "effective size"
-"""Kind of a finding that a longer record answers; no correction does."""
 Watch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far; False ends the search."""
 
@@ -354,7 +351,7 @@ def plain(text: str) -> str:
     return text.replace("$", "")
 
 
-def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]:
+def corrections(checks: Checks) -> tuple[str, ...]:
     """Return what to correct in a record before anything else is measured, or what to measure.
 
     Examples
@@ -372,34 +369,10 @@ def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]
     >>> corrections(Checks(findings=(short,)))
     ('Record more samples: The record has only 15 samples.',)
     """
-    warned = [
-        finding
-        for finding in checks.findings
-        if finding.severity == "warning" and finding.kind not in (TOO_SHORT, *but)
-    ]
+    warned = [finding for finding in checks.findings if finding.severity == "warning"]
     warned.sort(key=lambda item: bool(item.measure))  # what can be corrected comes first
     return tuple(
         f"{item.measure or 'First correct the record'}: {item.sentence}" for item in warned[:1]
-    )
-
-
-def longer(checks: Checks) -> tuple[str, ...]:
-    """Return that a longer record is needed, if the samples are too few independent ones.
-
-    Examples
-    --------
-    >>> from stickslip.data import Finding
-    >>> numbers = {"samples": 3600, "independent": 17.2}
-    >>> few = Finding(kind="effective size", sentence="", severity="warning", numbers=numbers)
-    >>> longer(Checks(findings=(few,)))
-    ('Record for longer: the effective sample size is 17 of 3,600 samples.',)
-    """
-    short = (item for item in checks.of(TOO_SHORT) if item.severity == "warning")
-    return tuple(
-        "Record for longer: the effective sample size"
-        f"{f' of {item.record}' if item.record else ''} is {number(item.numbers['independent'], 2)}"
-        f" of {number(item.numbers['samples'], 9)} samples."
-        for item in itertools.islice(short, 1)
     )
 
 

@@ -47,7 +47,6 @@ from stickslip.identify.problems.driven_runs import DrivenProblem, DrivenRuns
 from stickslip.identify.problems.free_motion import FreeMotionProblem
 from stickslip.identify.problems.free_runs import KNOTS, Candidate, begun
 from stickslip.identify.problems.record_rows import MIDDLE, Piece, mean_frequency
-from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.problems.records import RecordProblem
 from stickslip.identify.projection import names_of
 from stickslip.mechanisms import Axis, Mechanism, as_rotary, given_inputs
@@ -430,41 +429,21 @@ def _work(reduced: _Reduced, handed: _Member) -> float:
     return float(taken / supplied) if supplied > 0.0 else math.nan
 
 
-# ---- runs under a drive of the mechanism or a voltage -----------------------------------------
+# ---- runs from the start that follows best ----------------------------------------------------
 
 
 def _of_runs(reduced: _Reduced, following: DrivenRuns) -> RunCertificate:
-    """Return the certificate of what was judged by runs."""
+    """Return the certificate of what was judged by runs under a drive or a voltage."""
     values, level, viscous = reduced.plain
     load = reduced.judgement.composition.normal()
     usual = CoulombViscous(kinetic_coefficient=level / load, viscous_coefficient=viscous / load)
-    segments = following.runs.segments
-    ends = np.cumsum([len(x.times) for x in segments])[:-1]
-    measured = [x.measured for x in segments]
-    spread = math.sqrt(float(np.mean(np.concatenate([x - np.mean(x) for x in measured]) ** 2)))
-    left = [
-        following.beside_nothing(law, own).seen
-        for law, own in ((_law(reduced.judgement), reduced.handed), (usual, values))
-    ]
-    errors = [seen.rms / spread if seen.finite else math.inf for seen in left]
-    times = [x.start + x.times for x in segments]
-    each = zip(times, measured, *(np.split(seen.residual, ends) for seen in left), strict=True)
-    return RunCertificate(
-        run_error=errors[0],
-        plain_error=errors[1],
-        expected_error=following.error / spread,
-        friction_work=math.nan,
-        duration=float(np.median([t[-1] - t[0] for t in times])),
-        stretches=tuple(
-            Stretch(time=t, measured=y, simulated=y - x, plain=y - z) for t, y, x, z in each
-        ),
-        motion=tuple(zip(times, measured, strict=True)),
-        how=f"Run under {following.drive}",
-        compared="position" if reduced.problem.records[0].located else "velocity",
-    )
-
-
-# ---- free motions -----------------------------------------------------------------------------
+    laws = (_law(reduced.judgement), reduced.handed), (usual, values)
+    left = [following.beside_nothing(law, own).seen for law, own in laws]
+    return _of_whole(
+        [(x.start + x.times, x.measured) for x in following.runs.segments],
+        [seen.residual if seen.finite else None for seen in left],
+        problem=reduced.problem, how=f"Run under {following.drive}", expected=following.error,
+    )  # fmt: skip
 
 
 def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCertificate | str:
@@ -477,36 +456,38 @@ def _of_free_motion(judgement: Judgement, problem: FreeMotionProblem) -> RunCert
     plain = lsq_linear(x / norm, balance.y, (least, np.inf), method="bvls").x[-2:] / norm[-2:]
     usual = Candidate(structure=(("level", ()), ("viscous", ())), coefficients=plain)
     named = Candidate(structure=rung.structure, coefficients=rung.coefficients)
-    values = [item.values for item in motion.motions]
-    spread = math.sqrt(float(np.mean(np.concatenate([x - np.mean(x) for x in values]) ** 2)))
     left = [_left(problem, own) for own in (named, usual)]
     if left[0] is None:
         return "A run of the law does not follow the motion."
-    ends = np.cumsum([len(x) for x in values])[:-1]
-    parts = [np.full(len(np.concatenate(values)), np.nan) if x is None else x for x in left]
-    errors = [float(np.nan_to_num(np.sqrt(np.mean(x**2)), nan=np.inf)) / spread for x in parts]
-    each = zip(motion.motions, *(np.split(x, ends) for x in parts), strict=True)
-    return RunCertificate(
-        run_error=errors[0],
-        plain_error=errors[1],
-        expected_error=problem.model.sigma / spread,
-        friction_work=_free_work(judgement, problem),
-        duration=max(float(item.time[-1]) for item in motion.motions),
-        stretches=tuple(
-            Stretch(time=item.time, measured=item.values, simulated=item.values - x,
-                    plain=item.values - z)
-            for item, x, z in each
-        ),
-        motion=tuple((item.time, item.values) for item in motion.motions),
-        how="Run from its start",
-        compared="position" if problem.records[0].located else "velocity",
-        reading_error=max(map(_noise, problem.records)) / spread,
+    return _of_whole(
+        [(item.time, item.values) for item in motion.motions], left,
+        problem=problem, how="Run from its start", expected=problem.model.sigma,
+        reading=max(x.position_noise if x.located else x.velocity_noise for x in problem.records),
+        work=_free_work(judgement, problem),
     )  # fmt: skip
 
 
-def _noise(record: Record) -> float:
-    """Return the standard deviation of the white noise of what is read of a free motion."""
-    return record.position_noise if record.located else record.velocity_noise
+def _of_whole(
+    motions: Sequence[tuple[Array, Array]], left: Sequence[Array | None], *,
+    problem: RecordProblem | FreeMotionProblem, how: str, expected: float,
+    reading: float = math.nan, work: float = math.nan,
+) -> RunCertificate:  # fmt: skip
+    """Return the certificate of motions from what runs of two laws leave of them; None if all."""
+    times, values = zip(*motions, strict=True)
+    spread = math.sqrt(float(np.mean(np.concatenate([x - np.mean(x) for x in values]) ** 2)))
+    ends = np.cumsum([len(x) for x in values])
+    parts = [np.full(ends[-1], np.nan) if x is None else x for x in left]
+    run, plain = (float(np.nan_to_num(np.sqrt(np.mean(x**2)), nan=np.inf)) for x in parts)
+    each = zip(times, values, *(np.split(x, ends[:-1]) for x in parts), strict=True)
+    return RunCertificate(
+        run_error=run / spread, plain_error=plain / spread, expected_error=expected / spread,
+        friction_work=work, reading_error=reading / spread, how=how, motion=tuple(motions),
+        duration=max(float(t[-1] - t[0]) for t in times),
+        compared="position" if problem.records[0].located else "velocity",
+        stretches=tuple(
+            Stretch(time=t, measured=y, simulated=y - x, plain=y - z) for t, y, x, z in each
+        ),
+    )  # fmt: skip
 
 
 def _left(problem: FreeMotionProblem, law: Candidate) -> Array | None:

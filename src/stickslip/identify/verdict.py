@@ -259,31 +259,6 @@ class BandVerdict(Verdict[LawCandidate]):
         """Multiple of the unit in which what laws leave is shown."""
         return score_scale([candidate.left for candidate in self.candidates], self.score_unit)
 
-    def named_curve(
-        self,
-        velocity: Array,
-        load: Array | float | None = None,
-        inputs: Mapping[str, Array | float] | None = None,
-    ) -> Array:
-        """Return the friction of the named law, with its constant offset.
-
-        Parameters
-        ----------
-        velocity : array_like (n,)
-            Slip velocities [m/s] or [rad/s].
-        load : array_like (n,), optional
-            Normal force [N]; the mean of the measurement if not given.
-        inputs : mapping of str to array_like (n,), optional
-            Temperature and other inputs of the contact; their means if not given.
-
-        Returns
-        -------
-        array (n,)
-            Friction [N] or [N m].
-        """
-        judgement = self.judgement
-        return judgement.acting(judgement.problem.at(velocity, load, inputs))
-
     @property
     def law(self) -> FrictionLaw:
         """The named law; through measured levels where it is none of `stickslip.friction`."""

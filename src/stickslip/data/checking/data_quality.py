@@ -9,7 +9,7 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,10 @@ from stickslip.data.checking.motion import Motion
 from stickslip.data.differentiation import (
     QUARTILE,
     REPLACED,
-    acceleration_of,
     as_readings,
     interval_of,
     noise_of,
     outlier_sentence,
-    smooth,
     step_of,
     without_outliers,
 )
@@ -52,12 +50,10 @@ from stickslip.data.measurement import (
 from stickslip.data.rig import check_record
 from stickslip.data.tolerances import (
     DECADE,
-    FEW_SAMPLES,
     FEWEST,
     FEWEST_SAMPLES,
     GAP,
     HALF,
-    INTERVAL,
     LISTED,
     MOSTLY,
     NEARLY_ALL,
@@ -65,7 +61,6 @@ from stickslip.data.tolerances import (
     PER_MILLE,
     ROUNDED,
     SIX_DIGITS,
-    SLIGHT,
     SMALL,
 )
 from stickslip.data.travels import is_filmed, other_drives
@@ -564,140 +559,6 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
         if finding.kind == "order"
     ][:1]
     return (*lines[: most - len(result)], *result)
-
-
-# Levels of forces: whether they stay, and how many independent values there are.
-
-FORCES: Final = ("force", "friction", "spring_force", "load")
-FEWEST_FOR_DRIFT: Final = 2 * FEWEST_SAMPLES**2
-"""Samples of two halves of which the means of blocks are known."""
-WARM_UP: Final = (
-    "Repeat this record after an hour of running, to separate warm-up effects from the friction law"
-)
-
-
-class Level(NamedTuple):
-    """A signal without what the motion explains of it."""
-
-    name: str
-    """Name of the quantity."""
-    what: str
-    """Where it comes from, in words."""
-    values: measurement.Array
-    """What remains of the signal (n,)."""
-    size: float
-    """Root mean square of the whole signal."""
-    unit: str = "N"
-    """SI unit of the signal."""
-
-
-def levels(record: measurement.Measurement, motion: Motion | None) -> Iterator[Level]:
-    """Yield forces less what acceleration, velocity and direction explain of them."""
-    for name in FORCES:
-        if not isinstance(getattr(record, name), np.ndarray):
-            continue
-        values = np.asarray(record.values(name))
-        size = float(np.sqrt(np.mean(values**2)))
-        words = name.replace("_", " ")
-        if motion is None or name == "load":
-            yield Level(name, words, values, size, record.unit(name))
-            continue
-        columns = [acceleration_of(record), motion.velocity, motion.directions]
-        matrix = np.stack([*columns, np.ones(values.size)], axis=1)
-        scale = np.sqrt(np.mean(matrix**2, axis=0))
-        matrix = matrix / np.where(scale > 0, scale, 1.0)
-        result = np.linalg.lstsq(matrix, values, rcond=None)[0]
-        # The constant stays in: it is the level that is looked at.
-        left = values - matrix[:, :3] @ result[:3]
-        what = (
-            f"{words} after subtraction of its dependence on acceleration, velocity and direction"
-        )
-        yield Level(name, what, left, size, record.unit(name))
-
-
-def independent(values: measurement.Array) -> float:
-    """Return how many independent values have a mean as sure as these, from how long they agree.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> white = rng.normal(size=10_000)
-    >>> bool(independent(white) > 9_000), bool(independent(np.repeat(white, 10)) < 11_000)
-    (True, True)
-    """
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    n = values.size
-    centred = values - values.mean()
-    power = float(centred @ centred)
-    if power <= 1e-24 * float(values @ values):
-        return float(n)
-    # Padded to twice the length, so that the correlation does not wrap around.
-    padded = next_fast_len(2 * n, real=True)
-    seen = irfft(np.abs(rfft(centred, padded)) ** 2, padded)[:n] / power
-    # Up to the first value that is not positive: noise of later ones would add up.
-    below = np.flatnonzero(seen <= 0)
-    last = int(below[0]) if below.size else n
-    return float(min(n, n / (1.0 + 2.0 * float(np.sum(seen[1:last])))))
-
-
-def drift(found: list[Level]) -> Iterator[Finding]:
-    """Say which forces change their mean from the first half to the second."""
-    for level in found:
-        if level.values.size < FEWEST_FOR_DRIFT or level.size == 0.0 or np.ptp(level.values) == 0.0:
-            continue
-        halves = np.array_split(level.values, 2)
-        means = [float(half.mean()) for half in halves]
-        change, doubt = means[1] - means[0], math.hypot(*map(_doubt, halves))
-        sure = abs(change) / doubt if doubt else np.inf
-        if sure < INTERVAL or abs(change) < NEGLIGIBLE * level.size:
-            continue
-        matters = abs(change) >= SLIGHT * level.size
-        first, second = quantities(means, level.unit)
-        word = "rises" if change > 0 else "falls"
-        text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second"
-        relative = change / level.size
-        text += f" ({percent(abs(relative))} of its level,"
-        text += f" {number(float(sure), 2)} standard errors)"
-        text += ": fit the halves separately, or fit the drifting parameter." if matters else "."
-        severity: Severity = "warning" if matters else "info"
-        numbers = {
-            "first": means[0],
-            "second": means[1],
-            "standard_error": doubt,
-            "relative": relative,
-        }
-        yield remark("drift", severity, text, WARM_UP, **numbers)
-
-
-def _doubt(values: measurement.Array) -> float:
-    """Return the standard error of a mean from the scatter of the means of blocks."""
-    means = [float(block.mean()) for block in np.array_split(values, FEWEST_SAMPLES)]
-    return float(np.std(means, ddof=1)) / float(np.sqrt(FEWEST_SAMPLES))
-
-
-def effective(record: measurement.Measurement, levels: list[Level]) -> Iterator[Finding]:
-    """Say how many independent values the record has, and of what."""
-    chosen = next((level for level in levels if level.name != "load"), None)
-    time = record.time
-    if chosen is not None:
-        what, values = chosen.what, chosen.values
-    elif time is not None and (record.position is not None or record.velocity is not None):
-        name = "position" if record.position is not None else "velocity"
-        own = np.asarray(record.values(name))
-        what, values = f"{name} minus its smooth component", own - smooth(time, own)
-    else:
-        return
-    if values.size < FEW_SAMPLES or np.ptp(values) == 0.0:
-        return
-    size = independent(values)
-    few = size < 0.9 * values.size  # two digits of nearly all would be more than all
-    shown = number(size, 2) if few else number(math.floor(size), 9)
-    text = (
-        f"Effective sample size before any fit: {shown} of {number(values.size, 9)}"
-        f" samples (from the autocorrelation of the {what})."
-    )
-    yield remark("effective size", size < FEW_SAMPLES, text, samples=values.size, independent=size)
 
 
 # What a measurement can tell and what is wrong with it, before anything is fitted.
@@ -1736,7 +1597,7 @@ def _record(
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving, coupled=coupled)
     if enough and not grave and not _wrong(still):
-        yield from _course(record, mechanism, moving, coupled=coupled)
+        yield from _course(record, mechanism, moving)
 
 
 def _signals(record: Measurement, mechanism: Mechanism | None, enough: bool) -> Iterator[Finding]:
@@ -1757,20 +1618,12 @@ def _course(
     record: Measurement,
     mechanism: Mechanism | None,
     moving: motion.Motion | None,
-    *,
-    coupled: bool,
 ) -> Iterator[Finding]:
-    """Yield what the course of the motion and of the friction tells."""
+    """Yield what the course of the motion tells."""
     if moving is not None:
         yield from motion.reversals(moving, offset=motion.has_offset(record, mechanism))
         yield from motion.rests(moving)
         yield from motion.slow(moving)
-    if coupled:  # levels are what a force has beside its own acceleration
-        return
-    reached = list(levels(record, moving))
-    if moving is None or not moving.hardly_moves:  # at rest, levels are those of what is applied
-        yield from drift(reached)
-    yield from effective(record, reached)
 
 
 def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:

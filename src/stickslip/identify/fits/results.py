@@ -176,11 +176,6 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         return tuple(item for item in self.estimates if not item.quantity.nuisance)
 
     @final
-    def to_law(self) -> AnyLaw_co:
-        """Return the fitted law."""
-        return self.law
-
-    @final
     def estimate(self, name: str) -> Estimate:
         """Return the estimate of a parameter, by its path or its last name."""
         known = {estimate.path: estimate for estimate in self.estimates}

@@ -12,7 +12,7 @@ A fit is the selection in which no other law is compared.
 """
 
 from abc import abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Protocol, TypeAlias
@@ -31,7 +31,6 @@ from stickslip.identify.candidates import (
     MOST,
     NOT_RULED_OUT,
     ONE_LAW,
-    TOO_SHORT,
     UNMEASURED,
     Candidate,
     JudgedFit,
@@ -39,7 +38,6 @@ from stickslip.identify.candidates import (
     Wording,
     cannot_rule_out,
     corrections,
-    longer,
     plain,
     score_text,
 )
@@ -376,8 +374,6 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
     """What levels of the laws are over, if the mechanism does not say it."""
     drawn: ClassVar[tuple[str, str]]
     """What the figure shows, and its unit."""
-    unasked: ClassVar[Collection[str]] = ("drift",)
-    """Kinds of findings of `check` of which no correction is asked for."""
     starts: ClassVar[int] = 4
     """Searches of each law that are followed to their end."""
     fit_class: ClassVar[type[SimulatedFit[Any]]] = SimulatedFit
@@ -640,8 +636,7 @@ class SimulatedKind(Kind[AnyFit, SimulatedVerdict]):
         cannot += self.untold(fit)
         if fit.cancelled:
             cannot.append("Whether there is a better fit: the search was stopped before its end.")
-        further = [*self.advice(fit, fits[1:], advised), *corrections(checks, but=self.unasked)]
-        further += longer(checks) if TOO_SHORT not in self.unasked else ()
+        further = [*self.advice(fit, fits[1:], advised), *corrections(checks)]
         share = f"{probability_text(closest.probability)} probable among {others + 1} laws. "
         several = list(map(self.called, alike))
         if len(several) > MOST + 1:

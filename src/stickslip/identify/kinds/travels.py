@@ -819,7 +819,6 @@ class TravelKind(SimulatedKind):
     counts_runs = True
     fit_class = TravelFit
     verdict_class = TravelVerdict
-    unasked = ()
 
     @property
     def all_columns(self) -> Columns[Any]:

@@ -14,7 +14,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identify import THRESHOLDS
 from stickslip.identify.bands import ENDS, Array
-from stickslip.identify.candidates import TOO_SHORT, check_any, check_apart
+from stickslip.identify.candidates import check_any, check_apart
 from stickslip.identify.fits import (
     BLOCKS,
     LAW,
@@ -96,7 +96,6 @@ class VelocityStepKind(SimulatedKind):
     simulated = False
     levels = "per load"
     drawn = ("coefficient", "1")
-    unasked = ("drift", TOO_SHORT)  # steps bring drifts with them, and few independent samples
     own_columns = (
         Column(
             key="a_minus_b", title="a − b", page="a − b\n95 % interval", phone="label",

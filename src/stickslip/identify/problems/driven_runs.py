@@ -322,18 +322,14 @@ class _WithPrior:
         deviations = self.sizes[has_prior] * values[has_prior]
         return np.vstack([np.eye(len(values))[has_prior] / deviations[:, None], self.rows])
 
-    def off(self, values: Array) -> Array:
-        """Return how many deviations values (p,) are from what is known before (k,)."""
-        has_prior = np.isfinite(self.sizes)
-        off = np.log(self.given[has_prior] / values[has_prior]) / self.sizes[has_prior]
-        return np.concatenate([off, -self.rows @ values])
-
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals at values (p,), with one row for each that is known before."""
-        seen = self.runs.linearise(values, near)
+        seen, has_prior = self.runs.linearise(values, near), np.isfinite(self.sizes)
+        off = np.log(self.given[has_prior] / values[has_prior]) / self.sizes[has_prior]
+        off = np.concatenate([off, -self.rows @ values])
         return ResidualJacobian(
             values=values,
-            residual=np.concatenate([seen.residual, self.deviation * self.off(values)]),
+            residual=np.concatenate([seen.residual, self.deviation * off]),
             slopes=lambda: np.vstack([seen.slopes, self.deviation * self.slopes(values)]),
             memory=seen.memory,
         )
@@ -480,8 +476,8 @@ class DrivenRuns:
 
     def surprise(self, deviation: float) -> float:
         """Return less the logarithm of the posterior, for a deviation of independent readings."""
-        off = replace(self._known, rows=self.rows).off(self.seen.values)
-        return 0.5 * (self.seen.cost / deviation**2 + float(off @ off))
+        known = replace(self._known, rows=self.rows, deviation=deviation)
+        return 0.5 * known.linearise(self.seen.values, self.seen).cost / deviation**2
 
     def moved(self, step: Array, rig: Array) -> "DrivenRuns":
         """Return runs with other values at the knots (m,), whose initial states follow them."""

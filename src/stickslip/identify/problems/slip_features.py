@@ -15,7 +15,6 @@ from stickslip.data import (
     Finding,
     MainsLine,
     Measurement,
-    check,
     is_narrow,
     lines_of,
     sentences_of,
@@ -24,6 +23,7 @@ from stickslip.data import (
 from stickslip.errors import InputError, check_even_times
 from stickslip.identify import THRESHOLDS
 from stickslip.identify.fits import BLOCKS
+from stickslip.maths import NORMAL_95
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.show.described import Described
 from stickslip.show.formatting import estimate, interval, number, percent, quantity, within
@@ -32,8 +32,6 @@ Array: TypeAlias = NDArray[np.float64]
 
 LARGE = 0.25
 """A fall counts from this share of the median fall on: smaller ones are creep."""
-HALVES = 2 * BLOCKS - 1
-"""Half overlapping blocks of the record, for spectra."""
 HIGHEST = 5.0
 """Frequencies are sought up to so many times the natural one."""
 AGREE = 0.25
@@ -172,7 +170,7 @@ def frequency_of(
     >>> round(frequency_of(saw, 0.01, natural=20.0, slips=np.arange(100, 4000, 100)), 6)
     1.0
     """
-    frequencies, spectra = spectra_of(force, HALVES, HIGHEST * natural * step)
+    frequencies, spectra = spectra_of(force, 2 * BLOCKS - 1, HIGHEST * natural * step)
     top = peak_of(frequencies, spectra.mean(axis=0)) / step
     if slips is not None:
         tops = [peak_of(frequencies, item) for item in spectra[::2]]
@@ -283,12 +281,10 @@ class StickSlipFeatures(metaclass=Described):
     """Fall of the force in each slip (slips,)."""
     slope_ratio: float
     """Median slope of the force between slips over k V; NaN without slips."""
-    thirds: tuple[float, float, float]
-    """Mean force in the first, second and last third of the record."""
     halves: tuple[float, float]
     """Mean force in the first and the second half."""
     drifts: bool
-    """Whether the mean changes from the first half to the second, as `check` finds."""
+    """Whether the mean changes from the first half to the second, beyond its doubt."""
     regime: Regime
     """Kind of motion."""
     stretches: Array
@@ -359,7 +355,6 @@ class StickSlipFeatures(metaclass=Described):
             "break_away_spread": float(self.levels.std()) if self.slips else math.nan,
             "drop": self.drop,
             "slope_ratio": self.slope_ratio,
-            "mean_of_thirds": list(self.thirds),
             "drifts": self.drifts,
             "sentences": list(self.sentences),
         }
@@ -423,7 +418,6 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         result = Slips(place=result.place[:0], level=none, drop=none, slope=none)
         waiting = none
     pull = block.stiffness * block.speed * step / block.steady_load
-    thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
     halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
     parts: dict[str, Any] = {
         "mean": float(np.exp(stretches[:, 1]).mean() * np.sign(force.mean())),
@@ -435,14 +429,20 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "levels": result.level,
         "drops": result.drop,
         "slope_ratio": float(np.median(result.slope)) / pull if len(result.slope) else math.nan,
-        "thirds": thirds,
         "halves": halves,
-        "drifts": any(item.severity != "info" for item in check(measurement).of("drift")),
+        "drifts": _drifts(force),
         "regime": regime,
         "stretches": stretches - [math.log(step), 0.0, 0.0],
     }
     plain = StickSlipFeatures(**parts, findings=())
     return StickSlipFeatures(**parts, findings=findings_of(plain))
+
+
+def _drifts(force: Array) -> bool:
+    """Return whether the mean of a force changes from its first half to its second."""
+    halves = np.array([x.mean() for x in np.array_split(force, 2 * BLOCKS)]).reshape(2, -1)
+    change, doubt = np.ptp(halves.mean(axis=1)), math.sqrt(halves.var(axis=1).sum() / BLOCKS)
+    return bool(change > max(NORMAL_95 * doubt, 0.5 * THRESHOLDS.material * abs(np.mean(force))))
 
 
 def towed(mechanism: Mechanism) -> TowedBlock:
@@ -572,11 +572,10 @@ def findings_of(found: StickSlipFeatures) -> tuple[Finding, ...]:
             )
     if found.drifts:
         first, second = found.halves
-        thirds = ", ".join(number(value) for value in found.thirds)
         add(
             "drift",
             f"The record drifts: the mean F/N is {number(first)} in the first half and"
-            f" {number(second)} in the second ({thirds} in thirds). Features of the whole record"
-            " mix different states.",
+            f" {number(second)} in the second. Features of the whole record mix"
+            " different states.",
         )
     return tuple(said)
