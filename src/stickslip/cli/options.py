@@ -402,7 +402,6 @@ class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
     Prints the events and the certificate; writes the run and a report on request.
     With a fitted law from a file, --ensemble samples its parameters from their estimated
     distribution and shows the 95 % band of the motion.
-    What was measured on the rig is compared with the prediction.
     --law printed-5 and the others of `stickslip models --published` run with --fixed-step; they
     take the values of their corrected law, and --set friction.signed=true adds a missing sgn.
     """

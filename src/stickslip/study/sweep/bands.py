@@ -32,21 +32,10 @@ from stickslip.errors import (
     check_size,
 )
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import (
-    WHOLE,
-    Mechanism,
-    cycle_or_none,
-    has_one_slip,
-    slip_names,
-)
+from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.show.display import OnAxes, Summary, Tabular
-from stickslip.show.formatting import (
-    Scale,
-    number,
-    scale_of,
-    within,
-)
+from stickslip.show.formatting import Scale, number, scale_of, within
 from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
 from stickslip.study.tolerances import PERCENT
