@@ -87,9 +87,9 @@ kernels: $(DEV) ## what decides something, under other kernels of linear algebra
 # A part of the tests, which meets every dependency.
 SMOKE := tests/test_simulation.py tests/test_tables.py tests/cli/test_commands.py \
   tests/cli/test_doctor.py tests/cli/test_extras.py tests/cli/test_records.py tests/cli/test_terminal.py \
-  tests/experiments/test_logs.py tests/experiments/test_units.py \
-  tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
-  tests/plots/test_axes.py tests/report/test_page.py tests/sweep/test_bands.py
+  tests/data/test_logs.py tests/data/test_units.py \
+  tests/identify/test_resting_joints.py tests/identify/test_tables.py tests/identify/kinds/test_travel_verdict.py \
+  tests/show/plots/test_axes.py tests/show/report/test_page.py tests/study/sweep/test_bands.py
 EXTRAS := dask logs mdf optimise parquet sensitivity tdms xarray xlsx
 comma := ,
 space := $(subst ,, )

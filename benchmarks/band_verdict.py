@@ -152,9 +152,9 @@ class Judged:
 
     def predicted(self, points: Points) -> Array | None:
         """Return friction [N] by the named law at points (n,)."""
-        return np.asarray(
-            self.verdict.named_curve(points.velocity, points.load, points.inputs or None)
-        )
+        judgement = self.verdict.judgement
+        at = judgement.problem.at(points.velocity, points.load, points.inputs or None)
+        return np.asarray(judgement.acting(at))
 
     def nearest(self, curves: Sequence[Curve]) -> Mapping[str, float]:
         """Return parameters of the law named for a table, laid through the mean of true curves.

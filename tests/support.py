@@ -708,3 +708,9 @@ def rounded_travels(
             )
         )
     return Measurement(trials=tuple(readings))
+
+
+def acting(verdict: Any, velocity: Any, *at: Any) -> Any:
+    """Return friction of the named law of a verdict at velocities (n,), with its offset."""
+    judgement = verdict.judgement
+    return judgement.acting(judgement.problem.at(velocity, *at))

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.support import acting
 
 from stickslip import Axis, Measurement, SpringBlock, load_rig, select, simulate
 from stickslip.friction import bound
@@ -188,7 +189,7 @@ def verdict():
 def test_law_and_mechanism_of_a_verdict_predict_its_curve(verdict, tmp_path):
     u = np.geomspace(0.005, 0.13, 101)
     v = np.concatenate([-u[::-1], u])
-    curve = verdict.named_curve(v)
+    curve = acting(verdict, v)
     assert np.max(np.abs(curve - asymmetric(v))) < 0.5  # five times the noise
     verdict.closest.fit.save(tmp_path / "law.toml")
     rig = load_rig(tmp_path / "law.toml")
@@ -224,7 +225,7 @@ def test_a_run_with_what_is_handed_over_slows_by_the_force_of_each_direction(ver
     for speed in (-0.1, 0.1):
         run = simulate(heavy, verdict.law, t_end=1.0, y0={"v": speed})
         force = -1e6 * (run["v"][-1] - speed)
-        assert force == pytest.approx(float(verdict.named_curve([speed])[0]), rel=1e-3)
+        assert force == pytest.approx(float(acting(verdict, [speed])[0]), rel=1e-3)
 
 
 def test_samples_are_asymmetric_as_the_band_is(verdict):
@@ -243,7 +244,7 @@ def test_a_mechanism_without_a_constant_force_has_the_offset_in_the_law():
     verdict = select(block, None, Measurement(velocity=BOTH, friction=read))
     assert "offset" in verdict.family
     assert verdict.law.directional
-    curve = verdict.named_curve(BOTH)
+    curve = acting(verdict, BOTH)
     load = verdict.judgement.composition.normal()
     np.testing.assert_allclose(verdict.law.force(BOTH, load), curve, rtol=1e-12)
     ahead, back = (

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, TRUTH, motion, parts, record
-from tests.identification.test_links import (
+from tests.identify.test_links import (
     DESK,
     LEVELS,
     SLOPES,

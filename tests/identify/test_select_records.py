@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.support import acting
 
 from stickslip import (
     Axis,
@@ -343,7 +344,7 @@ def test_how_levels_follow_a_load_that_changes_along_a_record_is_named(level, po
     assert ("load" in verdict.sentence) == bool(said)
     for at in (8.0, 20.0, 32.0):
         truth = level * at**power + base + 6.0 * 0.05
-        assert verdict.named_curve(np.array([0.05]), at)[0] == pytest.approx(truth, rel=0.02)
+        assert acting(verdict, np.array([0.05]), at)[0] == pytest.approx(truth, rel=0.02)
 
 
 def test_a_record_without_motion_decides_nothing():

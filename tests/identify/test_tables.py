@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.support import acting
 
 from stickslip import (
     Axis,
@@ -119,7 +120,7 @@ def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
 def test_friction_of_the_law_is_what_its_structure_predicts():
     verdict = select(AXIS, None, table(stribeck, BOTH, seed=2))
     force = np.asarray(verdict.law.force(BOTH, np.ones(len(BOTH))))
-    np.testing.assert_allclose(force, verdict.named_curve(BOTH), rtol=1e-9)
+    np.testing.assert_allclose(force, acting(verdict, BOTH), rtol=1e-9)
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """Mechanisms of the package that have several contacts, against closed forms and references.
 
-The reference numbers are those of `tests/solver/test_contacts.py`.
+The reference numbers are those of `tests/engine/solver/test_contacts.py`.
 """
 
 import dataclasses

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, TRUTH
 from tests.arm_cases import record as of_arm
-from tests.identification.test_own_laws import Weakening
 from tests.identify.test_decays import RIG, swings
+from tests.identify.test_own_laws import Weakening
 
 from stickslip import (
     Axis,

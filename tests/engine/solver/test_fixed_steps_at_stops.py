@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from tests.contact_cases import coulomb
-from tests.solver.test_capsule_stops import LAW, robot, setting
+from tests.engine.solver.test_capsule_stops import LAW, robot, setting
 
 from stickslip import Axis, FixedStep, Viscous, simulate
 from stickslip.engine.solver import SoftConstraint

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.engine.solver.sensitivity_support import PYTHON, Case, mismatch
 from tests.mechanisms.test_pendulum_cart import LAW as CART_LAW
 from tests.mechanisms.test_pendulum_cart import cart_with
-from tests.solver.sensitivity_support import PYTHON, Case, mismatch
 from tests.support import FIRST, example_of, pairs, quick
 
 from stickslip import (

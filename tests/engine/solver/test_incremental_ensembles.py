@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from tests.solver.test_slip_directions import shafts
+from tests.engine.solver.test_slip_directions import shafts
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, TwoFeet, simulate
 from stickslip.engine import Status

@@ -190,7 +190,7 @@ def told(record):
     return [candidate.law.name for candidate in verdict.ladder]
 
 
-@pytest.mark.slow  # `tests/identification/test_force_map.py` has bristles
+@pytest.mark.slow  # `tests/identify/test_force_map.py` has bristles
 def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
     record = swayed(BRISTLES, 1)
     assert told(record) == ["dahl(level) + viscous"]

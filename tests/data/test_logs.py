@@ -19,7 +19,7 @@ import lz4.frame
 import numpy as np
 import pytest
 import zstandard
-from tests.experiments.log_cases import (
+from tests.data.log_cases import (
     BEGIN,
     NANO,
     states,
